@@ -1,0 +1,18 @@
+/* The direct sum in double precision: the slow truth that everything else is held against.
+ * Does not: approximate. Threaded over pixels or queries; sines and cosines come from libm. */
+#ifndef DIF_DIRECT_H
+#define DIF_DIRECT_H
+
+#include <stddef.h>
+
+#include "core/field.h"
+#include "core/window.h"
+
+/* P / sum W at n points kappa[n] = (kappa_x, kappa_y, -kappa_z), rad/um; core/conventions.h.
+ *
+ * Status    DIF_ERR_NOMEM
+ * Cost      O(n nx ny) */
+DIF_MUST_USE dif_status dif_direct_amplitudes(const dif_field *field, const dif_window *window, size_t n,
+                                              const double (*kappa)[3], double (*amp)[2], dif_error *err);
+
+#endif
