@@ -6,6 +6,10 @@
 #include "bench/measure.h"
 #include "core/grating.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* int f cos theta_o d wo over the hemisphere for one incident direction and wavelength.
  * Status as dif_measure_queries. */
 DIF_MUST_USE dif_status dif_energy_albedo(const dif_field *field, dif_vec3 wi, double lambda_um, double tol,
@@ -14,4 +18,7 @@ DIF_MUST_USE dif_status dif_energy_albedo(const dif_field *field, dif_vec3 wi, d
 /* Sum of the efficiencies of all propagating orders of a named profile at R = 1. Reported, never rescaled. */
 double dif_energy_order_sum(const dif_grating *grating, dif_vec3 wi, double lambda_um);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -5,6 +5,10 @@
 
 #include "core/plan.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct dif_maximum {
     double lambda_um;
     double angle_rad;      /* refined by a parabola through three samples            */
@@ -53,4 +57,7 @@ typedef struct dif_maxima_order {
 /* Statistics per order: out[n_out_max]; returns the number of orders seen (may exceed n_out_max). */
 int dif_maxima_by_order(const dif_maxima *maxima, int n_out_max, dif_maxima_order *out);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -10,6 +10,10 @@
 #include "core/plan.h"
 #include "core/window.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum dif_method { DIF_METHOD_SHEET, DIF_METHOD_TAYLOR, DIF_METHOD_DIRECT } dif_method;
 
 /* "sheet", "taylor", "direct". */
@@ -78,4 +82,7 @@ DIF_MUST_USE dif_status dif_measure_check_table(const dif_field *field, const di
                                                 const dif_measure_opts *opts, int n, unsigned seed,
                                                 dif_measure_check *out, dif_error *err);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -5,6 +5,10 @@
 
 #include "core/plan.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* MIN:MAX:STEP with both ends included, or one number. */
 typedef struct dif_range {
     double min, max, step;
@@ -24,4 +28,7 @@ DIF_MUST_USE dif_status dif_scan_plan(bool fixed_is_wo, double fixed_deg, double
                                       const dif_range *angle_deg, const dif_range *lambda_nm, dif_plan *out,
                                       dif_error *err);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

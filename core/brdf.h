@@ -7,6 +7,10 @@
 #include "core/fresnel.h"
 #include "core/plan.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* R(theta_h) of a direction pair: Schlick at c = wo . half vector. */
 double dif_brdf_reflectance(dif_index index, dif_vec3 wi, dif_vec3 wo);
 
@@ -27,4 +31,7 @@ double dif_brdf_gain(dif_quantity quantity, dif_index index, dif_vec3 wi, dif_ve
 /* eta_m / |c_m|^2 = R (1 + wi.wm)^2 / (cos_i cos_m w^2): share of incident power that order m carries. */
 double dif_brdf_gain_efficiency(double reflectance, dif_vec3 wi, dif_vec3 wm);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -8,6 +8,10 @@
 #include "core/field.h"
 #include "core/window.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* P / sum W at n points kappa[n] = (kappa_x, kappa_y, -kappa_z), rad/um; core/conventions.h.
  *
  * Status    DIF_ERR_NOMEM
@@ -15,4 +19,7 @@
 DIF_MUST_USE dif_status dif_direct_amplitudes(const dif_field *field, const dif_window *window, size_t n,
                                               const double (*kappa)[3], double (*amp)[2], dif_error *err);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

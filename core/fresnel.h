@@ -2,6 +2,10 @@
 #ifndef DIF_FRESNEL_H
 #define DIF_FRESNEL_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Complex refractive index n + i kappa of the sample. */
 typedef struct dif_index {
     double n, kappa; /* n > 0, kappa >= 0 */
@@ -16,4 +20,7 @@ dif_index dif_index_default(void);
  * Returns   R in [0, 1], ratio of powers */
 double dif_fresnel_schlick(dif_index index, double cos_h);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

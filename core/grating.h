@@ -9,6 +9,10 @@
 #include "core/status.h"
 #include "core/vec.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum dif_profile {
     DIF_PROFILE_SINE,     /* h = (H/2) sin(2 pi x/d)                                     */
     DIF_PROFILE_BLAZED,   /* h = H x/d for 0 <= x < d, the drop at x = d                 */
@@ -53,4 +57,7 @@ double dif_grating_power(const dif_grating *grating, int m, double kw_rad_per_um
  * Returns   0 for an evanescent order */
 double dif_grating_efficiency(const dif_grating *grating, dif_vec3 wi, double lambda_um, double reflectance, int m);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

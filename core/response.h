@@ -7,6 +7,10 @@
 
 #include "core/sheet.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Amplitudes of a line sheet at n points of its plane.
  *
  * Given     ks[n]  lateral kappa along the sheet's azimuth, rad/um, any sign
@@ -22,4 +26,7 @@ void dif_response_line_power(const dif_sheet *sheet, double k_rad_per_um, size_t
 /* Amplitudes of a volume sheet: kappa[n] = (kappa_x, kappa_y, -kappa_z). */
 void dif_response_volume(const dif_sheet *sheet, size_t n, const double (*kappa)[3], double (*amp)[2]);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -15,6 +15,10 @@
 #include "core/field.h"
 #include "core/window.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct dif_sheet dif_sheet;
 
 /* The part of frequency space that will be asked for. */
@@ -71,4 +75,7 @@ typedef struct dif_sheet_info {
 
 dif_sheet_info dif_sheet_info_of(const dif_sheet *sheet);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

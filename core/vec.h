@@ -17,13 +17,15 @@ static inline double dif_vec3_dot(dif_vec3 a, dif_vec3 b)
 static inline dif_vec3 dif_vec3_from_angles_rad(double theta_rad, double phi_rad)
 {
     const double s = sin(theta_rad);
-    return (dif_vec3){s * cos(phi_rad), s * sin(phi_rad), cos(theta_rad)};
+    const dif_vec3 direction = {s * cos(phi_rad), s * sin(phi_rad), cos(theta_rad)};
+    return direction;
 }
 
 /* (u, v, w) = -(wi + wo). */
 static inline dif_vec3 dif_vec3_transfer(dif_vec3 wi, dif_vec3 wo)
 {
-    return (dif_vec3){-(wi.x + wo.x), -(wi.y + wo.y), -(wi.z + wo.z)};
+    const dif_vec3 transfer = {-(wi.x + wo.x), -(wi.y + wo.y), -(wi.z + wo.z)};
+    return transfer;
 }
 
 #endif

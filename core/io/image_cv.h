@@ -3,6 +3,7 @@
 #ifndef DIF_IMAGE_CV_H
 #define DIF_IMAGE_CV_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "core/status.h"
