@@ -1,0 +1,37 @@
+# The binary, one shared library of all layers below the command line, its headers and a pkg-config file.
+
+# Every header of core, core/io, fixtures and bench is either public or internal (tests/audit holds this list to the tree).
+set(DIF_PUBLIC_HEADERS
+    core/alloc.h core/brdf.h core/conventions.h core/direct.h core/fft.h core/field.h core/fresnel.h core/grating.h
+    core/kernel.h core/plan.h core/response.h core/series.h core/sheet.h core/status.h core/units.h core/vec.h
+    core/window.h
+    core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/manifest.h core/io/table_io.h
+    fixtures/surfaces.h
+    bench/energy.h bench/fit.h bench/maxima.h bench/measure.h bench/scan.h)
+
+add_library(dif_shared SHARED $<TARGET_OBJECTS:dif_core> $<TARGET_OBJECTS:dif_io> $<TARGET_OBJECTS:dif_fixtures>
+            $<TARGET_OBJECTS:dif_bench>)
+set_target_properties(dif_shared PROPERTIES OUTPUT_NAME diffbench VERSION ${PROJECT_VERSION}
+                      SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} LINKER_LANGUAGE CXX
+                      LINK_DEPENDS ${CMAKE_SOURCE_DIR}/cmake/exports.map)
+target_link_libraries(dif_shared PRIVATE dif_flags m OpenMP::OpenMP_C OpenEXR::OpenEXRCore opencv_core opencv_imgproc
+                      opencv_imgcodecs Ceres::ceres)
+target_link_options(dif_shared PRIVATE LINKER:--version-script=${CMAKE_SOURCE_DIR}/cmake/exports.map)
+if(NOT DIF_SANITIZE)
+    target_link_options(dif_shared PRIVATE LINKER:--no-undefined)
+endif()
+
+install(TARGETS dif_shared LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(TARGET diffbench)
+    install(TARGETS diffbench RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+foreach(header IN LISTS DIF_PUBLIC_HEADERS)
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/diffbench/${folder})
+endforeach()
+install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+# The pkg-config file finds its prefix from its own place, so that `cmake --install --prefix` and moves work.
+file(RELATIVE_PATH DIF_PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(cmake/diffbench.pc.in diffbench.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/diffbench.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
