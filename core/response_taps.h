@@ -1,0 +1,115 @@
+/* The interpolation itself, written once: response.c includes this for each number type and tap count.
+ * Wants DIF_REAL, DIF_LZ (planes read per tap row: 8 or 16) and DIF_NAME(x). No include guard on purpose. */
+
+typedef DIF_REAL DIF_NAME(vec) __attribute__((vector_size(64)));
+typedef DIF_REAL DIF_NAME(view) __attribute__((vector_size(64), aligned(sizeof(DIF_REAL)), may_alias));
+
+enum {
+    DIF_NAME(LANES) = 64 / sizeof(DIF_REAL),
+    DIF_NAME(TAP_VECS) = DIF_SHEET_TAPS / DIF_NAME(LANES),
+    DIF_NAME(ROW_VECS) = 2 * DIF_LZ / DIF_NAME(LANES)
+};
+
+/* Tap weights of one axis (0 = s, 1 = y, 2 = z) at offset t. */
+DIF_INLINE void DIF_NAME(taps)(const DIF_REAL *coef, int degree, int axis, DIF_REAL t, DIF_REAL *out)
+{
+    const DIF_REAL *row = coef + (size_t)(degree * 3 + axis) * DIF_SHEET_TAPS;
+    DIF_NAME(vec) sum[DIF_NAME(TAP_VECS)];
+    for (int v = 0; v < DIF_NAME(TAP_VECS); v++)
+        sum[v] = *(const DIF_NAME(view) *)(row + v * DIF_NAME(LANES));
+    for (int k = degree - 1; k >= 0; k--) {
+        row -= 3 * DIF_SHEET_TAPS;
+        for (int v = 0; v < DIF_NAME(TAP_VECS); v++)
+            sum[v] = sum[v] * t + *(const DIF_NAME(view) *)(row + v * DIF_NAME(LANES));
+    }
+    for (int v = 0; v < DIF_NAME(TAP_VECS); v++)
+        *(DIF_NAME(view) *)(out + v * DIF_NAME(LANES)) = sum[v];
+}
+
+/* sum over planes of tap weight times the row sums: real and imaginary parts. */
+DIF_INLINE void DIF_NAME(contract)(const DIF_NAME(vec) *acc, const DIF_REAL *tap_z, DIF_REAL *re, DIF_REAL *im)
+{
+    DIF_REAL row[2 * DIF_LZ], twice[2 * DIF_LZ];
+    for (int j = 0; j < DIF_LZ; j++)
+        twice[2 * j] = twice[2 * j + 1] = tap_z[j];
+    for (int v = 0; v < DIF_NAME(ROW_VECS); v++)
+        *(DIF_NAME(view) *)(row + v * DIF_NAME(LANES)) =
+            acc[v] * *(const DIF_NAME(view) *)(twice + v * DIF_NAME(LANES));
+    for (int half = DIF_LZ; half >= 2; half /= 2)
+        for (int j = 0; j < half; j++)
+            row[j] += row[j + half];
+    *re = row[0];
+    *im = row[1];
+}
+
+/* One point of a line sheet. */
+DIF_INLINE void DIF_NAME(line)(const dif_sheet *sheet, const DIF_REAL *coef, const dif_place *s, const dif_place *z,
+                               DIF_REAL *re, DIF_REAL *im)
+{
+    DIF_REAL tap_s[DIF_SHEET_TAPS], tap_z[DIF_SHEET_TAPS];
+    DIF_NAME(taps)(coef, sheet->degree, 0, (DIF_REAL)s->offset, tap_s);
+    DIF_NAME(taps)(coef, sheet->degree, 2, (DIF_REAL)z->offset, tap_z);
+    const size_t step = 2 * (size_t)sheet->stride;
+    const DIF_REAL *row = (const DIF_REAL *)sheet->planes + step * (size_t)s->first + 2 * (size_t)z->first;
+    DIF_NAME(vec) acc[DIF_NAME(ROW_VECS)];
+    for (int v = 0; v < DIF_NAME(ROW_VECS); v++)
+        acc[v] = tap_s[0] * *(const DIF_NAME(view) *)(row + v * DIF_NAME(LANES));
+    for (int i = 1; i < sheet->s.kernel.width; i++) {
+        row += step;
+        for (int v = 0; v < DIF_NAME(ROW_VECS); v++)
+            acc[v] += tap_s[i] * *(const DIF_NAME(view) *)(row + v * DIF_NAME(LANES));
+    }
+    DIF_NAME(contract)(acc, tap_z, re, im);
+}
+
+/* One point of a volume sheet; two sums at a time hide the latency of the additions. */
+DIF_INLINE void DIF_NAME(volume)(const dif_sheet *sheet, const DIF_REAL *coef, const dif_place *x, const dif_place *y,
+                                 const dif_place *z, DIF_REAL *re, DIF_REAL *im)
+{
+    DIF_REAL tap_x[DIF_SHEET_TAPS], tap_y[DIF_SHEET_TAPS], tap_z[DIF_SHEET_TAPS];
+    DIF_NAME(taps)(coef, sheet->degree, 0, (DIF_REAL)x->offset, tap_x);
+    DIF_NAME(taps)(coef, sheet->degree, 1, (DIF_REAL)y->offset, tap_y);
+    DIF_NAME(taps)(coef, sheet->degree, 2, (DIF_REAL)z->offset, tap_z);
+    const size_t step_y = 2 * (size_t)sheet->stride, step_x = step_y * (size_t)sheet->y.n;
+    const DIF_REAL *column =
+        (const DIF_REAL *)sheet->planes + step_x * (size_t)x->first + step_y * (size_t)y->first + 2 * (size_t)z->first;
+    DIF_NAME(vec) acc[2][DIF_NAME(ROW_VECS)] = {0};
+    for (int i = 0; i < sheet->s.kernel.width; i++, column += step_x) {
+        const DIF_REAL *row = column;
+        for (int j = 0; j < sheet->y.kernel.width; j++, row += step_y) {
+            const DIF_REAL weight = tap_x[i] * tap_y[j];
+            for (int v = 0; v < DIF_NAME(ROW_VECS); v++)
+                acc[i & 1][v] += weight * *(const DIF_NAME(view) *)(row + v * DIF_NAME(LANES));
+        }
+    }
+    for (int v = 0; v < DIF_NAME(ROW_VECS); v++)
+        acc[0][v] += acc[1][v];
+    DIF_NAME(contract)(acc[0], tap_z, re, im);
+}
+
+/* n points whose places are known. */
+DIF_CLONES static void DIF_NAME(line_points)(const dif_sheet *sheet, const DIF_REAL *coef, int n, const dif_place *s,
+                                             const dif_place *z, double (*amp)[2])
+{
+    for (int i = 0; i < n; i++) {
+        DIF_REAL re, im;
+        DIF_NAME(line)(sheet, coef, s + i, z + i, &re, &im);
+        amp[i][0] = (double)re;
+        amp[i][1] = (double)im;
+    }
+}
+
+DIF_CLONES static void DIF_NAME(volume_points)(const dif_sheet *sheet, const DIF_REAL *coef, int n, const dif_place *x,
+                                               const dif_place *y, const dif_place *z, double (*amp)[2])
+{
+    for (int i = 0; i < n; i++) {
+        DIF_REAL re, im;
+        DIF_NAME(volume)(sheet, coef, x + i, y + i, z + i, &re, &im);
+        amp[i][0] = (double)re;
+        amp[i][1] = (double)im;
+    }
+}
+
+#undef DIF_REAL
+#undef DIF_LZ
+#undef DIF_NAME
