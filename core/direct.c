@@ -22,7 +22,7 @@ DIF_CLONES static void sum_row(const double *z_um, const double *weight, const d
         const int count = n - at < BLOCK ? n - at : BLOCK;
 #pragma omp simd
         for (int j = 0; j < count; j++)
-            phase[j] = phase0 + kx * x_um[at + j] - kz * z_um[at + j];
+            phase[j] = phase0 + kx * x_um[at + j] + kz * z_um[at + j];
 #pragma omp simd
         for (int j = 0; j < count; j++)
             c[j] = cos(phase[j]);
@@ -40,20 +40,20 @@ DIF_CLONES static void sum_row(const double *z_um, const double *weight, const d
 }
 
 /* One point, over the whole field. */
-static void sum_point(const grid *g, const double *kappa, double *amp)
+static void sum_point(const grid *g, dif_vec3 kappa, double *amp)
 {
     const dif_field *field = g->field;
     amp[0] = amp[1] = 0.0;
     for (int iy = 0; iy < field->ny; iy++) {
         double sum[2];
-        sum_row(field->z_um + (size_t)iy * (size_t)field->nx, g->wx, g->x_um, field->nx, kappa[0], kappa[2],
-                kappa[1] * dif_field_y_um(field, iy), sum);
+        sum_row(field->z_um + (size_t)iy * (size_t)field->nx, g->wx, g->x_um, field->nx, kappa.x, kappa.z,
+                kappa.y * dif_field_y_um(field, iy), sum);
         amp[0] += g->wy[iy] * sum[0];
         amp[1] += g->wy[iy] * sum[1];
     }
 }
 
-dif_status dif_direct_amplitudes(const dif_field *field, const dif_window *window, size_t n, const double (*kappa)[3],
+dif_status dif_direct_amplitudes(const dif_field *field, const dif_window *window, size_t n, const dif_vec3 *kappa,
                                  double (*amp)[2], dif_error *err)
 {
     dif_status status = DIF_OK;

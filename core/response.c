@@ -112,19 +112,19 @@ static void line_batch(const dif_sheet *sheet, int n, const double *ks, const do
         (wide ? d16_line_points : d8_line_points)(sheet, sheet->coef_d, n, s, z, amp);
 }
 
-static void volume_batch(const dif_sheet *sheet, int n, const double (*kappa)[3], double (*amp)[2])
+static void volume_batch(const dif_sheet *sheet, int n, const dif_vec3 *kappa, double (*amp)[2])
 {
     dif_place x[BATCH], y[BATCH], z[BATCH];
     if (sheet->basis == DIF_BASIS_POWERS) {
         for (int i = 0; i < n; i++)
-            powers_point(sheet, kappa[i][0], kappa[i][1], kappa[i][2], amp[i]);
+            powers_point(sheet, kappa[i].x, kappa[i].y, -kappa[i].z, amp[i]);
         return;
     }
     const double inv_x = 1.0 / sheet->s.step, inv_y = 1.0 / sheet->y.step, inv_z = 1.0 / sheet->z.step;
     for (int i = 0; i < n; i++) {
-        x[i] = place_on(&sheet->s, inv_x, kappa[i][0]);
-        y[i] = place_on(&sheet->y, inv_y, kappa[i][1]);
-        z[i] = place_on(&sheet->z, inv_z, kappa[i][2]);
+        x[i] = place_on(&sheet->s, inv_x, kappa[i].x);
+        y[i] = place_on(&sheet->y, inv_y, kappa[i].y);
+        z[i] = place_on(&sheet->z, inv_z, -kappa[i].z);
         assert(inside(&sheet->s, x + i) && inside(&sheet->y, y + i) && inside(&sheet->z, z + i));
     }
     const bool wide = sheet->z.kernel.width > 8;
@@ -168,12 +168,12 @@ void dif_response_line_power(const dif_sheet *sheet, double k_rad_per_um, size_t
     }
 }
 
-void dif_response_volume(const dif_sheet *sheet, size_t n, const double (*kappa)[3], double (*amp)[2])
+void dif_response_volume(const dif_sheet *sheet, size_t n, const dif_vec3 *kappa, double (*amp)[2])
 {
     for (size_t i = 0; i < n; i += BATCH) {
         const int count = n - i < BATCH ? (int)(n - i) : BATCH;
         volume_batch(sheet, count, kappa + i, amp + i);
     }
     for (size_t i = 0; i < n; i++)
-        turn(kappa[i][0] * sheet->s.shift_um + kappa[i][1] * sheet->y.shift_um - kappa[i][2] * sheet->mid_um, amp[i]);
+        turn(kappa[i].x * sheet->s.shift_um + kappa[i].y * sheet->y.shift_um + kappa[i].z * sheet->mid_um, amp[i]);
 }

@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "core/sheet.h"
+#include "core/vec.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -23,8 +24,8 @@ void dif_response_line(const dif_sheet *sheet, size_t n, const double *ks, const
 void dif_response_line_power(const dif_sheet *sheet, double k_rad_per_um, size_t n, const double *s, const double *c,
                              double scale, double *power);
 
-/* Amplitudes of a volume sheet: kappa[n] = (kappa_x, kappa_y, -kappa_z). */
-void dif_response_volume(const dif_sheet *sheet, size_t n, const double (*kappa)[3], double (*amp)[2]);
+/* Amplitudes of a volume sheet at kappa[n], rad/um, kappa.z <= 0. */
+void dif_response_volume(const dif_sheet *sheet, size_t n, const dif_vec3 *kappa, double (*amp)[2]);
 
 #ifdef __cplusplus
 }
