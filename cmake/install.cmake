@@ -2,7 +2,7 @@
 
 # Every header of core, core/io, fixtures and bench is either public or internal (tests/audit holds this list to the tree).
 set(DIF_PUBLIC_HEADERS
-    core/alloc.h core/brdf.h core/conventions.h core/direct.h core/fft.h core/field.h core/fresnel.h core/grating.h
+    core/alloc.h core/brdf.h core/conventions.h core/direct.h core/domain.h core/fft.h core/field.h core/fresnel.h core/grating.h
     core/kernel.h core/plan.h core/response.h core/series.h core/sheet.h core/status.h core/units.h core/vec.h
     core/window.h
     core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/manifest.h core/io/table_io.h
