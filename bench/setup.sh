@@ -59,10 +59,8 @@ setup_apt_install()
 # setup_build PRESET [TARGET]: configures and builds it, all or one target; Ninja if it is there, else make.
 setup_build()
 {
-    local preset=$1 target=${2:-all}
-    if command -v ninja >/dev/null; then
-        export CMAKE_GENERATOR=Ninja
-    fi
-    cmake --preset "$preset" </dev/null >&2 &&
+    local preset=$1 target=${2:-all} generator=()
+    command -v ninja >/dev/null || generator=(-G "Unix Makefiles")
+    cmake --preset "$preset" "${generator[@]}" </dev/null >&2 &&
         cmake --build --preset "$preset" --target "$target" -j "$(nproc)" </dev/null >&2
 }
