@@ -12,15 +12,15 @@
 #include "core/units.h"
 
 /* Lateral oversampling: the DFT of a line is cheap, so fewer taps are worth more bins. */
-#define SIGMA_LINE 2.5
+#define SIGMA_LINE   2.5
 #define SIGMA_SPREAD 2.0
 
 typedef struct line_build {
     dif_sheet *sheet;
     const dif_field *field;
     dif_plane_factors factors;
-    int n_plane;     /* computed planes                                    */
-    int n_sample;    /* samples along s                                    */
+    int n_plane;  /* computed planes                                    */
+    int n_sample; /* samples along s                                    */
     int n_dft;
     double *wx, *wy; /* window with corrections                            */
     double *line;    /* line[n_plane][n_dft] complex, DFT order            */
@@ -84,7 +84,7 @@ typedef struct spread {
     dif_kernel kernel;
     dif_reciprocal lateral_gain; /* interpolation's correction at a position s        */
     double cos_az, sin_az, pitch_um;
-    double span_um;              /* where lateral_gain reaches: s_max of its argument */
+    double span_um; /* where lateral_gain reaches: s_max of its argument */
 } spread;
 
 /* Spreads the block's planes (acc[l][2][BLOCK]) of one pixel j into grid[n_sample][2 n_plane]. */
@@ -119,10 +119,10 @@ static void spread_row(const line_build *b, const spread *sp, int iy, double *gr
             double acc[2 * DIF_SHEET_PLANE_BLOCK * DIF_SHEET_BLOCK] = {0};
             const int more = b->n_plane - plane0;
             const int n_plane = more < DIF_SHEET_PLANE_BLOCK ? more : DIF_SHEET_PLANE_BLOCK;
-            dif_plane_factors_add(&b->factors, n, field->z_um + (size_t)iy * (size_t)field->nx + ix0, weight,
-                                  b->wy[iy], plane0, n_plane, acc);
+            dif_plane_factors_add(&b->factors, n, field->z_um + (size_t)iy * (size_t)field->nx + ix0, weight, b->wy[iy],
+                                  plane0, n_plane, acc);
             for (int j = 0; j < n; j++)
-                spread_pixel(sp, acc, j, n_plane, b->n_plane, position[j], grid + 2 * plane0);
+                spread_pixel(sp, acc, j, n_plane, b->n_plane, position[j], grid + (size_t)2 * (size_t)plane0);
         }
     }
 }
@@ -219,7 +219,8 @@ static dif_status build_rotated(line_build *b, double azimuth_rad, double k_max,
 {
     const dif_field *field = b->field;
     dif_sheet *sheet = b->sheet;
-    spread sp = {.kernel = dif_kernel_make(tol_spread, SIGMA_SPREAD), .cos_az = cos(azimuth_rad), .sin_az = sin(azimuth_rad)};
+    spread sp = {
+        .kernel = dif_kernel_make(tol_spread, SIGMA_SPREAD), .cos_az = cos(azimuth_rad), .sin_az = sin(azimuth_rad)};
     const double s_max = fabs(dif_field_x_um(field, 0) * sp.cos_az) + fabs(dif_field_y_um(field, 0) * sp.sin_az);
     /* Bins reach a few steps beyond k_max; a step is at most pi/(sigma s_max). */
     const double margin = DIF_PI / (sheet->s.kernel.sigma * fmax(s_max, 1e-3)) * (sheet->s.kernel.width + 2);

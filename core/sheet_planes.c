@@ -74,7 +74,7 @@ DIF_CLONES static void add_waves(const seeds *start, int n_plane, double *acc)
         dif_v8d c0 = *(const dif_v8du *)(start->c0 + j), c1 = *(const dif_v8du *)(start->c1 + j);
         dif_v8d s0 = *(const dif_v8du *)(start->s0 + j), s1 = *(const dif_v8du *)(start->s1 + j);
         double *at = acc + j;
-        for (int l = 0; l < n_plane; l++, at += 2 * DIF_SHEET_BLOCK) {
+        for (int l = 0; l < n_plane; l++, at += (size_t)2 * DIF_SHEET_BLOCK) {
             *(dif_v8du *)at += c0;
             *(dif_v8du *)(at + DIF_SHEET_BLOCK) += s0;
             const dif_v8d c2 = t * c1 - c0, s2 = t * s1 - s0;
@@ -97,7 +97,7 @@ DIF_CLONES static void add_powers(const dif_plane_factors *f, const double *h, c
         for (int l = 0; l < plane0; l++)
             power *= share;
         double *at = acc + j;
-        for (int l = 0; l < n_plane; l++, at += 2 * DIF_SHEET_BLOCK) {
+        for (int l = 0; l < n_plane; l++, at += (size_t)2 * DIF_SHEET_BLOCK) {
             *(dif_v8du *)at += power;
             power *= share;
         }

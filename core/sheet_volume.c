@@ -11,7 +11,7 @@
 #include "core/sheet_impl.h"
 
 /* Less oversampling and more taps than a line: here the DFT is what costs. */
-#define SIGMA_VOLUME 1.5
+#define SIGMA_VOLUME  1.5
 #define MID_BYTES_MAX ((size_t)640 << 20)
 
 enum { ROWS = 8, PLANES = 4 }; /* rows and planes that one pass over x takes together */
@@ -20,12 +20,12 @@ typedef struct volume_build {
     dif_sheet *sheet;
     const dif_field *field;
     dif_plane_factors factors;
-    int n_plane;          /* computed planes                                                          */
+    int n_plane; /* computed planes                                                          */
     int n_dft_x, n_dft_y;
     double *wx, *wy;
-    int bin0, n_bin;      /* x bins of this run                                                       */
-    int n_row;            /* ny rounded up to whole groups of ROWS                                    */
-    void *mid;            /* mid[n_plane][n_bin][n_row] complex                                       */
+    int bin0, n_bin; /* x bins of this run                                                       */
+    int n_row;       /* ny rounded up to whole groups of ROWS                                    */
+    void *mid;       /* mid[n_plane][n_bin][n_row] complex                                       */
 } volume_build;
 
 static size_t mid_index(const volume_build *b, int plane, int bin, int row)
@@ -76,7 +76,7 @@ static void keep_rows(const volume_build *b, int iy0, int plane0, int n_plane, c
 
 static dif_status transform_x(const volume_build *b, dif_error *err)
 {
-    const size_t n_buffer = 2 * PLANES * ROWS * (size_t)b->n_dft_x;
+    const size_t n_buffer = (size_t)2 * PLANES * ROWS * (size_t)b->n_dft_x;
     const int n_thread = omp_get_max_threads();
     double *buffers = dif_alloc(n_buffer * (size_t)n_thread, sizeof *buffers);
     if (!buffers)
@@ -108,8 +108,8 @@ static void fill_column(const volume_build *b, int bin, double *buffer)
     for (int l = 0; l < b->n_plane; l++) {
         const size_t from = 2 * mid_index(b, l, bin, 0);
         for (int iy = 0; iy < ny; iy++) {
-            double *at = buffer + 2 * ((size_t)l * (size_t)b->n_dft_y +
-                                       (size_t)dif_bin_wrap(ny - 1 - iy - ny / 2, b->n_dft_y));
+            double *at =
+                buffer + 2 * ((size_t)l * (size_t)b->n_dft_y + (size_t)dif_bin_wrap(ny - 1 - iy - ny / 2, b->n_dft_y));
             for (size_t part = 0; part < 2; part++)
                 at[part] = b->sheet->info.single ? (double)((const float *)b->mid)[from + 2 * (size_t)iy + part]
                                                  : ((const double *)b->mid)[from + 2 * (size_t)iy + part];

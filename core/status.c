@@ -15,7 +15,7 @@ const char *dif_status_text(dif_status status)
     return "unknown status";
 }
 
-dif_status dif_fail(dif_error *err, dif_status status, const char *format, ...)
+dif_status(dif_fail)(dif_error *err, dif_status status, const char *format, ...)
 {
     if (err) {
         va_list args;
