@@ -1,0 +1,102 @@
+/* One surface of a report: what is measured on it, and how that becomes result files.
+ * Layout of the files: reports/result.h.
+ * Does not: draw or write the page. */
+#ifndef DIF_REPORT_JOB_H
+#define DIF_REPORT_JOB_H
+
+#include <jansson.h>
+
+#include "bench/fit.h"
+#include "bench/maxima.h"
+#include "bench/measure.h"
+#include "core/grating.h"
+#include "core/io/manifest.h"
+
+enum { DIF_REPORT_STAGE_MAX = 12, DIF_REPORT_ORDER_MAX = 64, DIF_REPORT_ENERGY_MAX = 4, DIF_REPORT_TEXT = 400 };
+
+/* What is to be measured. */
+typedef struct dif_report_job {
+    char title[160], slug[64], description[DIF_REPORT_TEXT];
+    dif_field field; /* owned                                                                 */
+    double step_um;  /* quantisation of an image, 0 = none                                     */
+    dif_plan plan;   /* owned                                                                 */
+    dif_measure_opts opts;
+    double tol;
+    bool has_grating; /* the surface is this grating: closed forms apply                        */
+    dif_grating grating;
+    double known_period_um;  /* NaN = unknown                                                       */
+    bool known_exact;        /* false: a guide only (irregular rows)                                */
+    dif_manifest provenance; /* owned                                                              */
+} dif_report_job;
+
+void dif_report_job_free(dif_report_job *job);
+
+typedef struct dif_report_stage {
+    const char *name;
+    double wall_s, cpu_s;
+} dif_report_stage;
+
+typedef struct dif_report_order {
+    int order;
+    double angle_rad, sampled, closed, efficiency;
+} dif_report_order;
+
+typedef struct dif_report_energy {
+    double theta_i_rad, lambda_um, albedo, reference; /* reference NaN = none */
+} dif_report_energy;
+
+/* What was measured. */
+typedef struct dif_report_data {
+    dif_field_stats field;
+    dif_table table; /* owned */
+    dif_measure_stats stats;
+    dif_measure_check check;
+    dif_status fit_status, surface_status; /* DIF_OK, or why there is no period */
+    dif_error fit_error, surface_error;
+    bool common_period;
+    dif_fit_result fit;
+    dif_fit_surface_result surface;
+    dif_maxima maxima; /* owned */
+    int n_line;
+    double *line;   /* line[n_line][3]: f, mean power, cells; owned */
+    size_t n_below; /* cells with p < tol^2           */
+    double p_min;   /* smallest p of the table        */
+    int n_order;
+    double order_lambda_um;
+    dif_report_order order[DIF_REPORT_ORDER_MAX];
+    int n_energy;
+    dif_report_energy energy[DIF_REPORT_ENERGY_MAX];
+    int n_stage;
+    dif_report_stage stage[DIF_REPORT_STAGE_MAX];
+} dif_report_data;
+
+/* Measures everything. A fit that is not believed is a result, not a failure. Status as the functions of bench/. */
+DIF_MUST_USE dif_status dif_report_measure(const dif_report_job *job, dif_report_data *out, dif_error *err);
+void dif_report_data_free(dif_report_data *data);
+
+/* The table folded to spatial frequency: mean normalised power of the cells whose f falls into one bin. */
+DIF_MUST_USE dif_status dif_report_fold(const dif_report_job *job, dif_report_data *data, dif_error *err);
+
+/* Closed-form order powers beside those of the sampled surface, at the plan's middle wavelength. */
+DIF_MUST_USE dif_status dif_report_orders(const dif_report_job *job, dif_report_data *data, dif_error *err);
+
+/* How far scalar theory can be trusted here: a list of {"level", "text"}. NULL = out of memory. */
+json_t *dif_report_domain(const dif_report_job *job, const dif_report_data *data);
+
+/* Parts of the result object: the fits, the maxima. NULL = out of memory. */
+json_t *dif_report_fit_table_json(const dif_report_data *data);
+json_t *dif_report_fit_surface_json(const dif_report_data *data);
+json_t *dif_report_maxima_json(const dif_report_data *data);
+
+/* The surface's result object; timings are left out if SOURCE_DATE_EPOCH is set, because they differ from run to run.
+ * *outside is set if a verdict failed. NULL = out of memory. */
+json_t *dif_report_json(const dif_report_job *job, const dif_report_data *data, bool *outside);
+
+/* Writes all files of one surface into the folder. Status DIF_ERR_IO, DIF_ERR_NOMEM, DIF_ERR_FOREIGN. */
+DIF_MUST_USE dif_status dif_report_write(const char *folder, const dif_report_job *job, const dif_report_data *data,
+                                         bool *outside, dif_error *err);
+
+/* Writes a JSON value atomically. */
+DIF_MUST_USE dif_status dif_report_write_json(const char *folder, const char *name, const json_t *doc, dif_error *err);
+
+#endif

@@ -1,0 +1,303 @@
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "bench/cli/cli.h"
+#include "bench/cli/report_job.h"
+#include "core/units.h"
+#include "reports/result.h"
+
+/* Energy integrals agree with the closed forms as far as the width of the lines allows. */
+static const double energy_limit = 0.02;
+
+static json_t *nm(double um)
+{
+    return dif_json_number(dif_nm_from_um(um));
+}
+
+static json_t *degrees(double rad)
+{
+    return dif_json_number(dif_deg_from_rad(rad));
+}
+
+static json_t *surface_json(const dif_report_job *job, const dif_field_stats *stats)
+{
+    const dif_field *field = &job->field;
+    return json_pack("{s:i, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "nx", field->nx, "ny", field->ny,
+                     "pitch_x_nm", nm(field->pitch_x_um), "pitch_y_nm", nm(field->pitch_y_um), "size_x_um",
+                     dif_json_number(field->nx * field->pitch_x_um), "size_y_um",
+                     dif_json_number(field->ny * field->pitch_y_um), "range_nm", nm(stats->max_um - stats->min_um),
+                     "rms_nm", nm(stats->rms_um), "slope_x_rms", dif_json_number(stats->slope_x_rms), "slope_y_rms",
+                     dif_json_number(stats->slope_y_rms), "slope_max", dif_json_number(stats->slope_max), "step_nm",
+                     nm(job->step_um));
+}
+
+static void window_text(const dif_report_job *job, const dif_report_data *data, char text[160])
+{
+    if (job->opts.window == DIF_WINDOW_FLAT)
+        snprintf(text, 160, "flat over the whole patch");
+    else if (job->opts.average == DIF_AVERAGE_NONE)
+        snprintf(text, 160, "Gaussian, σ = %g µm, one at the centre", job->opts.sigma_um);
+    else
+        snprintf(text, 160, "Gaussian, σ = %g µm, powers of %d windows averaged (Welch)", job->opts.sigma_um,
+                 data->stats.n_window);
+}
+
+static json_t *plan_json(const dif_report_job *job, const dif_report_data *data)
+{
+    static const char *const quantity_text[] = {[DIF_QUANTITY_POWER] = "normalised power p",
+                                                [DIF_QUANTITY_RHO] = "relative BRDF ρ",
+                                                [DIF_QUANTITY_BRDF] = "BRDF, sr⁻¹"};
+    const dif_plan *plan = &job->plan;
+    const int na = plan->n_angle, nl = plan->n_lambda;
+    char window[160];
+    window_text(job, data, window);
+    json_t *out = json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:i, s:o, s:o, s:o, s:i}", "fixed", plan->fixed_is_wo ? "theta_r" : "theta_i",
+        "fixed_deg", degrees(plan->fixed_rad), "azimuth_deg", degrees(plan->azimuth_rad), "angle_deg_min",
+        degrees(plan->angle_rad[0]), "angle_deg_max", degrees(plan->angle_rad[na - 1]), "angle_deg_step",
+        degrees(na > 1 ? (plan->angle_rad[na - 1] - plan->angle_rad[0]) / (na - 1) : 0.0), "n_angle", na,
+        "lambda_nm_min", nm(plan->lambda_um[0]), "lambda_nm_max", nm(plan->lambda_um[nl - 1]), "lambda_nm_step",
+        nm(nl > 1 ? (plan->lambda_um[nl - 1] - plan->lambda_um[0]) / (nl - 1) : 0.0), "n_lambda", nl);
+    json_t *rest = json_pack(
+        "{s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:s}", "quantity", dif_quantity_name(job->opts.quantity),
+        "quantity_text", quantity_text[job->opts.quantity], "unit", dif_quantity_unit(job->opts.quantity), "window",
+        job->opts.window == DIF_WINDOW_FLAT ? "flat" : "gauss", "average",
+        job->opts.average == DIF_AVERAGE_NONE ? "none" : "welch", "sigma_um", dif_json_number(job->opts.sigma_um),
+        "index_n", dif_json_number(job->opts.index.n), "index_kappa", dif_json_number(job->opts.index.kappa), "tol",
+        dif_json_number(job->tol), "window_text", window);
+    if (out && rest && json_object_update(out, rest) == 0) {
+        json_decref(rest);
+        return out;
+    }
+    json_decref(out);
+    json_decref(rest);
+    return NULL;
+}
+
+static json_t *measure_json(const dif_report_job *job, const dif_report_data *data)
+{
+    const dif_measure_stats *stats = &data->stats;
+    char text[DIF_REPORT_TEXT];
+    if (job->opts.method == DIF_METHOD_DIRECT)
+        snprintf(text, sizeof text, "Method: direct sum in double precision.");
+    else
+        snprintf(text, sizeof text, "Method: %s, %d %s%s, stored in %s precision, %d window%s.",
+                 dif_method_name(job->opts.method), stats->n_plane,
+                 job->opts.method == DIF_METHOD_TAYLOR ? "terms" : "planes of κ_z",
+                 stats->n_tap > 0 ? " with an interpolation kernel" : "", stats->single ? "single" : "double",
+                 stats->n_window, stats->n_window == 1 ? "" : "s");
+    return json_pack("{s:s, s:s, s:o, s:i, s:i, s:i, s:I, s:b, s:o}", "method", dif_method_name(job->opts.method),
+                     "method_text", text, "bound", dif_json_number(stats->bound), "n_window", stats->n_window,
+                     "n_plane", stats->n_plane, "n_tap", stats->n_tap, "n_sample", (json_int_t)stats->n_sample,
+                     "single", (int)stats->single, "area_um2", dif_json_number(stats->area_um2));
+}
+
+static json_t *check_json(const dif_measure_check *check)
+{
+    return json_pack("{s:i, s:o, s:o, s:o, s:o, s:o}", "n_sample", check->n_sample, "worst_amplitude",
+                     dif_json_number(check->worst_amplitude), "worst_angle_deg",
+                     dif_json_number(check->worst_angle_deg), "worst_lambda_nm",
+                     dif_json_number(check->worst_lambda_nm), "worst_value", dif_json_number(check->worst_value),
+                     "worst_direct", dif_json_number(check->worst_direct));
+}
+
+static json_t *below_json(const dif_report_data *data)
+{
+    const double n = (double)data->table.plan.n_angle * data->table.plan.n_lambda;
+    return json_pack("{s:I, s:o, s:o}", "n", (json_int_t)data->n_below, "share",
+                     dif_json_number((double)data->n_below / n), "p_min", dif_json_number(data->p_min));
+}
+
+static json_t *energy_json(const dif_report_job *job, const dif_report_data *data)
+{
+    json_t *rows = json_array();
+    for (int i = 0; rows && i < data->n_energy; i++) {
+        const dif_report_energy *energy = &data->energy[i];
+        json_t *row = json_pack("{s:o, s:o, s:o, s:o, s:s}", "theta_i_deg", degrees(energy->theta_i_rad), "lambda_nm",
+                                nm(energy->lambda_um), "albedo", dif_json_number(energy->albedo), "reference",
+                                dif_json_number(energy->reference), "reference_text",
+                                job->has_grating ? "sum of the order efficiencies, closed form" : "none known");
+        if (json_array_append_new(rows, row) != 0) {
+            json_decref(rows);
+            rows = NULL;
+        }
+    }
+    return rows ? json_pack(
+                      "{s:s, s:o}", "text",
+                      "Scalar theory does not conserve energy exactly at steep incidence (0.6 to 1.8 in the hardest "
+                      "cases); the sum is reported, never rescaled.",
+                      "rows", rows)
+                : NULL;
+}
+
+/* Largest difference of sampled and closed order powers, and how large the sampling lets it become. */
+static void order_limits(const dif_report_job *job, const dif_report_data *data, double *worst, double *limit,
+                         char text[DIF_REPORT_TEXT])
+{
+    const dif_field *field = &job->field;
+    const double n_period = field->nx * field->pitch_x_um / job->grating.period_um;
+    const long periods = lround(n_period);
+    long a = field->nx, b = periods > 0 ? periods : 1;
+    while (b) {
+        const long rest = a % b;
+        a = b;
+        b = rest;
+    }
+    const double n_phase = (double)field->nx / (double)(a > 0 ? a : 1);
+    static const int walls[] = {
+        [DIF_PROFILE_SINE] = 0, [DIF_PROFILE_BLAZED] = 1, [DIF_PROFILE_TRIANGLE] = 0, [DIF_PROFILE_LAMELLAR] = 2};
+    /* a wall is known to half a sample: |amplitude error| <= 2 (1/2)/n a wall; smooth profiles have no such error */
+    const double wall = walls[job->grating.profile] / n_phase * (1.0 + 8.0 / n_phase);
+    double power = 0.0;
+    *worst = 0.0;
+    for (int i = 0; i < data->n_order; i++) {
+        *worst = fmax(*worst, fabs(data->order[i].sampled - data->order[i].closed));
+        power = fmax(power, data->order[i].closed);
+    }
+    *limit = fmax(1e-6, 2.0 * sqrt(power) * wall + wall * wall);
+    if (wall > 0.0)
+        snprintf(text, DIF_REPORT_TEXT,
+                 "The vertical walls limit the agreement: %ld periods of %.2f samples place a wall at %.0f different "
+                 "phases, each known to half a sample, so a difference up to %.1e is the sampling's.",
+                 periods, field->nx / n_period, n_phase, *limit);
+    else
+        snprintf(text, DIF_REPORT_TEXT,
+                 "The profile has no walls and the patch holds %.4g periods, so the sampled powers "
+                 "should agree to 1e-6.",
+                 n_period);
+}
+
+static json_t *orders_json(const dif_report_job *job, const dif_report_data *data, double *worst, double *limit)
+{
+    char text[DIF_REPORT_TEXT] = "";
+    *worst = *limit = NAN;
+    if (data->n_order > 0)
+        order_limits(job, data, worst, limit, text);
+    json_t *rows = json_array();
+    for (int i = 0; rows && i < data->n_order; i++) {
+        const dif_report_order *order = &data->order[i];
+        json_t *row = json_pack(
+            "{s:i, s:o, s:o, s:o, s:o, s:o}", "order", order->order, "angle_deg", degrees(order->angle_rad), "sampled",
+            dif_json_number(order->sampled), "closed", dif_json_number(order->closed), "difference",
+            dif_json_number(order->sampled - order->closed), "efficiency", dif_json_number(order->efficiency));
+        if (json_array_append_new(rows, row) != 0) {
+            json_decref(rows);
+            rows = NULL;
+        }
+    }
+    return rows ? json_pack("{s:o, s:o, s:o, s:s, s:o}", "lambda_nm", nm(data->order_lambda_um), "worst",
+                            dif_json_number(*worst), "limit", dif_json_number(*limit), "text", text, "rows", rows)
+                : NULL;
+}
+
+static json_t *verdict(const char *name, int pass, double value, double limit, const char *unit, bool *outside)
+{
+    json_t *mark = pass < 0 ? json_null() : json_boolean(pass);
+    if (pass == 0)
+        *outside = true;
+    return json_pack("{s:s, s:o, s:o, s:o, s:s}", "name", name, "pass", mark, "value", dif_json_number(value), "limit",
+                     dif_json_number(limit), "unit", unit);
+}
+
+/* 1 pass, 0 fail, -1 nothing to hold it against. */
+static int judge(bool has_reference, double value, double limit)
+{
+    return has_reference ? value <= limit : -1;
+}
+
+static json_t *verdicts_json(const dif_report_job *job, const dif_report_data *data, double order_worst,
+                             double order_limit, bool *outside)
+{
+    const bool fitted = data->fit_status == DIF_OK;
+    const double off = fitted ? fabs(data->fit.period_um - job->known_period_um) : (double)NAN;
+    const double allowed = fitted && job->known_exact ? 2.0 * data->fit.period_uncertainty_um : (double)NAN;
+    double energy = 0.0;
+    for (int i = 0; i < data->n_energy; i++)
+        energy = fmax(energy, fabs(data->energy[i].albedo - data->energy[i].reference));
+    if (!job->has_grating)
+        energy = NAN;
+    return json_pack(
+        "[o, o, o, o]",
+        verdict("period", judge(job->known_exact, off, allowed), dif_nm_from_um(off), dif_nm_from_um(allowed), "nm",
+                outside),
+        verdict("error", judge(true, data->check.worst_amplitude, job->tol), data->check.worst_amplitude, job->tol, "",
+                outside),
+        verdict("energy", judge(job->has_grating, energy, energy_limit), energy,
+                job->has_grating ? energy_limit : (double)NAN, "", outside),
+        verdict("orders", judge(data->n_order > 0, order_worst, order_limit), order_worst, order_limit, "", outside));
+}
+
+static json_t *timings_json(const dif_report_data *data)
+{
+    json_t *rows = json_array();
+    for (int i = 0; rows && i < data->n_stage; i++) {
+        json_t *row = json_pack("{s:s, s:f, s:f}", "stage", data->stage[i].name, "wall_s", data->stage[i].wall_s,
+                                "cpu_s", data->stage[i].cpu_s);
+        if (json_array_append_new(rows, row) != 0) {
+            json_decref(rows);
+            rows = NULL;
+        }
+    }
+    const double direct_s = data->check.direct_s_per_sample * (double)data->stats.n_sample;
+    const double ours_s = data->stats.build_wall_s + data->stats.eval_wall_s;
+    char text[DIF_REPORT_TEXT];
+    snprintf(text, sizeof text,
+             "The direct sum took %.3g ms a sample here; the whole table of %zu samples would have taken it %.3g s, "
+             "%.3g times "
+             "as long as the table took.",
+             1e3 * data->check.direct_s_per_sample, data->stats.n_sample, direct_s, direct_s / ours_s);
+    return rows ? json_pack("{s:o, s:s}", "rows", rows, "text", text) : NULL;
+}
+
+static json_t *files_json(const dif_report_job *job)
+{
+    static const char *const keys[][2] = {{"height", "height.exr"},
+                                          {"table", "table.exr"},
+                                          {"table_csv", "table.csv"},
+                                          {"maxima", "maxima.csv"},
+                                          {"lines", "lines.csv"}};
+    json_t *files = json_object();
+    for (size_t i = 0; files && i < sizeof keys / sizeof *keys; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "%s.%s", job->slug, keys[i][1]);
+        if (json_object_set_new(files, keys[i][0], json_string(name)) != 0) {
+            json_decref(files);
+            files = NULL;
+        }
+    }
+    return files;
+}
+
+/* The period the surface was made with, or null. */
+static json_t *known_json(const dif_report_job *job)
+{
+    if (!isfinite(job->known_period_um))
+        return json_null();
+    if (!job->has_grating)
+        return json_pack("{s:o, s:b}", "period_nm", nm(job->known_period_um), "exact", (int)job->known_exact);
+    return json_pack("{s:o, s:b, s:s, s:o, s:o, s:o}", "period_nm", nm(job->known_period_um), "exact",
+                     (int)job->known_exact, "profile", dif_profile_name(job->grating.profile), "height_nm",
+                     nm(job->grating.height_um), "duty", dif_json_number(job->grating.duty), "psi_deg",
+                     degrees(job->grating.psi_rad));
+}
+
+json_t *dif_report_json(const dif_report_job *job, const dif_report_data *data, bool *outside)
+{
+    double order_worst, order_limit;
+    json_t *orders = orders_json(job, data, &order_worst, &order_limit);
+    json_t *out = json_pack(
+        "{s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema",
+        DIF_RESULT_SCHEMA, "title", job->title, "description", job->description, "files", files_json(job), "known",
+        known_json(job), "surface", surface_json(job, &data->field), "plan", plan_json(job, data), "measure",
+        measure_json(job, data), "check", check_json(&data->check), "below_tol2", below_json(data), "fit_table",
+        dif_report_fit_table_json(data), "fit_surface", dif_report_fit_surface_json(data), "maxima",
+        dif_report_maxima_json(data), "energy", energy_json(job, data), "orders", orders, "domain",
+        dif_report_domain(job, data), "verdicts", verdicts_json(job, data, order_worst, order_limit, outside));
+    json_t *provenance = dif_json_manifest(&job->provenance);
+    if (out && json_object_set_new(out, "provenance", provenance) == 0 &&
+        (getenv("SOURCE_DATE_EPOCH") || json_object_set_new(out, "timings", timings_json(data)) == 0))
+        return out;
+    json_decref(out);
+    return NULL;
+}

@@ -1,0 +1,247 @@
+#define _POSIX_C_SOURCE 200809L /* clock_gettime */
+
+#include <math.h>
+#include <time.h>
+
+#include "bench/cli/report_job.h"
+#include "bench/energy.h"
+#include "core/alloc.h"
+#include "core/units.h"
+
+/* Cells compared with the direct sum: this many, less where several windows make the sum dearer. */
+enum { CHECK_N = 96, CHECK_N_MIN = 12, CHECK_SEED = 1, LINE_BIN_MAX = 3000 };
+static const double ridge_floor = 0.01; /* maxima below this share of the table's largest value are side lobes */
+
+typedef struct clock_pair {
+    double wall_s, cpu_s;
+} clock_pair;
+
+static clock_pair now(void)
+{
+    struct timespec wall = {0}, cpu = {0};
+    clock_gettime(CLOCK_MONOTONIC, &wall);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
+    return (clock_pair){(double)wall.tv_sec + 1e-9 * (double)wall.tv_nsec,
+                        (double)cpu.tv_sec + 1e-9 * (double)cpu.tv_nsec};
+}
+
+static void add_stage(dif_report_data *data, const char *name, double wall_s, double cpu_s)
+{
+    if (data->n_stage < DIF_REPORT_STAGE_MAX)
+        data->stage[data->n_stage++] = (dif_report_stage){name, wall_s, cpu_s};
+}
+
+static void add_stage_since(dif_report_data *data, const char *name, clock_pair start)
+{
+    const clock_pair end = now();
+    add_stage(data, name, end.wall_s - start.wall_s, end.cpu_s - start.cpu_s);
+}
+
+/* The normalised power of cell (il, ia): the table's value without its gain. */
+static double cell_power(const dif_report_job *job, const dif_report_data *data, int il, int ia)
+{
+    dif_vec3 wi, wo;
+    dif_plan_directions(&data->table.plan, ia, &wi, &wo);
+    const double gain = dif_brdf_gain(data->table.quantity, job->opts.index, wi, wo, data->table.plan.lambda_um[il],
+                                      data->stats.area_um2);
+    return data->table.value[(size_t)il * (size_t)data->table.plan.n_angle + (size_t)ia] / gain;
+}
+
+dif_status dif_report_fold(const dif_report_job *job, dif_report_data *data, dif_error *err)
+{
+    const dif_plan *plan = &data->table.plan;
+    double f_min = INFINITY, f_max = -INFINITY, sin_sum, cos_sum;
+    for (int ia = 0; ia < plan->n_angle; ia++) {
+        dif_plan_transfer(plan, ia, &sin_sum, &cos_sum);
+        for (int k = 0; k < 2; k++) {
+            const double f = sin_sum / plan->lambda_um[k ? plan->n_lambda - 1 : 0];
+            f_min = fmin(f_min, f);
+            f_max = fmax(f_max, f);
+        }
+    }
+    /* a third of the narrowest line, as far as the number of bins allows */
+    const double width = 1.0 / (3.0 * 2.0 * sqrt(2.0) * DIF_PI * job->opts.sigma_um);
+    const double wanted = (f_max - f_min) / width;
+    const int n = wanted < 1.0 ? 1 : wanted < LINE_BIN_MAX ? (int)wanted : LINE_BIN_MAX;
+    double *line = dif_alloc((size_t)n * 3, sizeof(double));
+    if (!line)
+        return dif_fail(err, DIF_ERR_NOMEM, "spectral lines, %d bins", n);
+    const double step = f_max > f_min ? (f_max - f_min) / n : 1.0;
+    data->p_min = INFINITY;
+    for (int ia = 0; ia < plan->n_angle; ia++) {
+        dif_plan_transfer(plan, ia, &sin_sum, &cos_sum);
+        for (int il = 0; il < plan->n_lambda; il++) {
+            const double p = cell_power(job, data, il, ia);
+            if (!isfinite(p))
+                continue;
+            const int bin = (int)((sin_sum / plan->lambda_um[il] - f_min) / step);
+            double *at = line + 3 * (bin < 0 ? 0 : bin >= n ? n - 1 : bin);
+            at[1] += p;
+            at[2] += 1.0;
+            data->n_below += p < job->tol * job->tol;
+            data->p_min = fmin(data->p_min, p);
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        line[3 * i] = f_min + (i + 0.5) * step;
+        line[3 * i + 1] /= fmax(line[3 * i + 2], 1.0);
+    }
+    data->line = line;
+    data->n_line = n;
+    return DIF_OK;
+}
+
+dif_status dif_report_orders(const dif_report_job *job, dif_report_data *data, dif_error *err)
+{
+    const dif_grating *grating = &job->grating;
+    const double lambda_um = job->plan.lambda_um[job->plan.n_lambda / 2];
+    const dif_vec3 wi = dif_vec3_from_angles_rad(job->plan.fixed_rad, job->plan.azimuth_rad);
+    dif_query query[DIF_REPORT_ORDER_MAX];
+    dif_sample sample[DIF_REPORT_ORDER_MAX];
+    int m_min, m_max, n = 0;
+    if (!dif_grating_order_range(wi, grating->period_um, grating->psi_rad, lambda_um, &m_min, &m_max))
+        return DIF_OK;
+    for (int m = m_min; m <= m_max && n < DIF_REPORT_ORDER_MAX; m++) {
+        dif_vec3 wo;
+        if (!dif_grating_direction(wi, grating->period_um, grating->psi_rad, lambda_um, m, &wo))
+            continue;
+        const double along = wo.x * cos(job->plan.azimuth_rad) + wo.y * sin(job->plan.azimuth_rad);
+        const double kw = -DIF_TWO_PI / lambda_um * (wi.z + wo.z);
+        query[n] = (dif_query){wi, wo, lambda_um};
+        data->order[n++] = (dif_report_order){.order = m,
+                                              .angle_rad = copysign(acos(fmin(wo.z, 1.0)), along),
+                                              .closed = dif_grating_power(grating, m, kw),
+                                              .efficiency = dif_grating_efficiency(grating, wi, lambda_um, 1.0, m)};
+    }
+    dif_measure_opts opts = job->opts;
+    opts.window = DIF_WINDOW_FLAT;
+    opts.average = DIF_AVERAGE_NONE;
+    const double tol = 1e-9; /* so that what is left is the sampling */
+    dif_measure_stats stats;
+    const dif_status status = dif_measure_queries(&job->field, (size_t)n, query, tol, &opts, sample, &stats, err);
+    if (status != DIF_OK)
+        return status;
+    for (int i = 0; i < n; i++)
+        data->order[i].sampled = sample[i].power;
+    data->n_order = n;
+    data->order_lambda_um = lambda_um;
+    return DIF_OK;
+}
+
+/* At normal incidence and at the plan's angle, for a perfect mirror of this shape. */
+static dif_status measure_energy(const dif_report_job *job, dif_report_data *data, dif_error *err)
+{
+    const double angles_rad[] = {0.0, job->plan.fixed_rad};
+    const double lambda_um = job->plan.lambda_um[job->plan.n_lambda / 2];
+    dif_measure_opts opts = job->opts;
+    opts.index = (dif_index){1e12, 0.0}; /* R = 1 */
+    opts.average = DIF_AVERAGE_NONE;
+    for (size_t i = 0; i < sizeof angles_rad / sizeof *angles_rad; i++) {
+        const dif_vec3 wi = dif_vec3_from_angles_rad(angles_rad[i], job->plan.azimuth_rad);
+        dif_report_energy *out = &data->energy[data->n_energy];
+        *out = (dif_report_energy){angles_rad[i], lambda_um, NAN, NAN};
+        const double tol = 1e-4; /* far below the 1e-3 that is asked of the integral */
+        const dif_status status = dif_energy_albedo(&job->field, wi, lambda_um, tol, &opts, &out->albedo, err);
+        if (status != DIF_OK)
+            return status;
+        if (job->has_grating)
+            out->reference = dif_energy_order_sum(&job->grating, wi, lambda_um);
+        data->n_energy++;
+    }
+    return DIF_OK;
+}
+
+static dif_status measure_fits(const dif_report_job *job, dif_report_data *data, dif_error *err)
+{
+    dif_fit_table_opts opts = dif_fit_table_opts_default();
+    opts.line = (dif_fit_line){.known = true,
+                               .window = {.kind = job->opts.window, .sigma_um = job->opts.sigma_um},
+                               .size_x_um = job->field.nx * job->field.pitch_x_um,
+                               .size_y_um = job->field.ny * job->field.pitch_y_um};
+    opts.index = job->opts.index;
+    opts.common_period = data->common_period = job->has_grating;
+    if (job->has_grating)
+        opts.n_ridge_max = DIF_FIT_RIDGE_MAX;
+    clock_pair start = now();
+    data->fit_status = dif_fit_table(&data->table, &opts, &data->fit, &data->fit_error);
+    add_stage_since(data, "fit of the table", start);
+    if (data->fit_status == DIF_ERR_NOMEM)
+        return dif_fail(err, data->fit_status, "%s", data->fit_error.text);
+    const dif_fit_surface_opts surface_opts = dif_fit_surface_opts_default();
+    start = now();
+    data->surface_status = dif_fit_surface(&job->field, &surface_opts, &data->surface, &data->surface_error);
+    add_stage_since(data, "fit of the heights", start);
+    if (data->surface_status == DIF_ERR_NOMEM)
+        return dif_fail(err, data->surface_status, "%s", data->surface_error.text);
+    return DIF_OK;
+}
+
+static dif_status measure_table(const dif_report_job *job, dif_report_data *data, dif_error *err)
+{
+    dif_status status =
+        dif_measure_table(&job->field, &job->plan, job->tol, &job->opts, &data->table, &data->stats, err);
+    if (status != DIF_OK)
+        return status;
+    add_stage(data, "table: planes and transforms", data->stats.build_wall_s, data->stats.build_cpu_s);
+    add_stage(data, "table: samples", data->stats.eval_wall_s, data->stats.eval_cpu_s);
+    const int n_window = data->stats.n_window > 0 ? data->stats.n_window : 1;
+    const int n_check = CHECK_N / n_window > CHECK_N_MIN ? CHECK_N / n_window : CHECK_N_MIN;
+    const clock_pair start = now();
+    status = dif_measure_check_table(&job->field, &data->table, &job->opts, n_check, CHECK_SEED, &data->check, err);
+    add_stage_since(data, "check against the direct sum", start);
+    return status;
+}
+
+static dif_status find_maxima(dif_report_data *data, dif_error *err)
+{
+    dif_maxima_opts opts = dif_maxima_opts_default();
+    opts.floor_share = ridge_floor;
+    opts.period_um = data->fit_status == DIF_OK ? data->fit.period_um : (double)NAN;
+    return dif_maxima_find(&data->table, &opts, &data->maxima, err);
+}
+
+dif_status dif_report_measure(const dif_report_job *job, dif_report_data *out, dif_error *err)
+{
+    *out = (dif_report_data){0};
+    dif_status status = dif_field_stats_of(&job->field, &out->field, err);
+    if (status == DIF_OK)
+        status = measure_table(job, out, err);
+    if (status == DIF_OK)
+        status = measure_fits(job, out, err);
+    if (status == DIF_OK)
+        status = find_maxima(out, err);
+    if (status == DIF_OK)
+        status = dif_report_fold(job, out, err);
+    clock_pair start = now();
+    if (status == DIF_OK)
+        status = measure_energy(job, out, err);
+    add_stage_since(out, "energy integrals", start);
+    start = now();
+    if (status == DIF_OK && job->has_grating) {
+        status = dif_report_orders(job, out, err);
+        add_stage_since(out, "order powers", start);
+    }
+    if (status != DIF_OK)
+        dif_report_data_free(out);
+    return status;
+}
+
+void dif_report_data_free(dif_report_data *data)
+{
+    if (!data)
+        return;
+    dif_table_free(&data->table);
+    dif_maxima_free(&data->maxima);
+    dif_release(data->line);
+    *data = (dif_report_data){0};
+}
+
+void dif_report_job_free(dif_report_job *job)
+{
+    if (!job)
+        return;
+    dif_field_free(&job->field);
+    dif_plan_free(&job->plan);
+    dif_manifest_free(&job->provenance);
+    *job = (dif_report_job){0};
+}
