@@ -9,10 +9,10 @@
 /* Exit codes of the whole program. */
 enum {
     DIF_EXIT_DONE = 0,
-    DIF_EXIT_OUTSIDE = 1,  /* measured outside tolerance, fit not believed                    */
-    DIF_EXIT_USAGE = 2,    /* unknown verb or flag, a flag's value out of its range            */
-    DIF_EXIT_INPUT = 3,    /* files that are missing, damaged, without a scale, not writable   */
-    DIF_EXIT_RESOURCE = 4  /* memory, a helper program or a device is missing                  */
+    DIF_EXIT_OUTSIDE = 1, /* measured outside tolerance, fit not believed                    */
+    DIF_EXIT_USAGE = 2,   /* unknown verb or flag, a flag's value out of its range            */
+    DIF_EXIT_INPUT = 3,   /* files that are missing, damaged, without a scale, not writable   */
+    DIF_EXIT_RESOURCE = 4 /* memory, a helper program or a device is missing                  */
 };
 
 /* Every verb: argc and argv are those of main (argv[1] is the verb), so that provenance can hold the whole command
@@ -30,5 +30,8 @@ int dif_cmd_fail(const char *verb, const dif_error *err);
 
 /* The same for a mistake on the command line; returns DIF_EXIT_USAGE. */
 int dif_cmd_usage(const char *verb, const char *format, ...) DIF_PRINTF(2, 3);
+
+/* The same for a result outside its tolerance; returns DIF_EXIT_OUTSIDE. */
+int dif_cmd_outside(const char *verb, const char *format, ...) DIF_PRINTF(2, 3);
 
 #endif

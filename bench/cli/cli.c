@@ -1,0 +1,140 @@
+#include "bench/cli/cli.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/sheet.h"
+
+dif_cli_surface dif_cli_surface_default(void)
+{
+    return (dif_cli_surface){.pixel_nm = NAN, .size_um = NAN, .height_um = NAN};
+}
+
+void dif_cli_add_surface(dif_cli *cli, dif_cli_surface *surface)
+{
+    const dif_opt opts[] = {
+        {"Surface (EXR, PNG, TIFF, BMP, GSF or a text matrix; only what the file does not say itself)", DIF_OPT_HEADING,
+         NULL, NULL, NULL, NULL, NULL},
+        {"pixel-nm", DIF_OPT_REAL, &surface->pixel_nm, "(0, inf)", "NM", "distance of neighbouring samples", NULL},
+        {"size-um", DIF_OPT_REAL, &surface->size_um, "(0, inf)", "UM", "or: extent along x", NULL},
+        {"height-um", DIF_OPT_REAL, &surface->height_um, "(0, inf)", "UM", "height range of an image, black to white",
+         NULL},
+        {"z-unit", DIF_OPT_TEXT, &surface->z_unit, NULL, "UNIT", "unit of a text's numbers: nm, um, m ...", NULL},
+        {"channel", DIF_OPT_TEXT, &surface->channel, NULL, "NAME", "channel of an EXR file", NULL},
+    };
+    dif_cli_add(cli, opts, DIF_COUNT(opts));
+}
+
+dif_field_request dif_cli_surface_request(const dif_cli_surface *surface)
+{
+    dif_field_request request = dif_field_request_default();
+    request.pixel_um = surface->pixel_nm * 1e-3; /* NaN stays NaN */
+    request.size_um = surface->size_um;
+    request.height_um = surface->height_um;
+    request.z_unit = surface->z_unit;
+    request.channel = surface->channel;
+    return request;
+}
+
+dif_cli_measure dif_cli_measure_default(void)
+{
+    const dif_index index = dif_index_default();
+    return (dif_cli_measure){.tol = 1e-6,
+                             .method = DIF_METHOD_SHEET,
+                             .quantity = DIF_QUANTITY_RHO,
+                             .window = DIF_WINDOW_GAUSS,
+                             .average = DIF_AVERAGE_BY_SURFACE,
+                             .n_terms = DIF_TERMS_FROM_TOL,
+                             .sigma_um = DIF_SIGMA_DEFAULT_UM,
+                             .index_n = index.n,
+                             .index_kappa = index.kappa};
+}
+
+void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quantity)
+{
+    const dif_opt for_table[] = {
+        {"quantity", DIF_OPT_CHOICE, &measure->quantity, "power|rho|brdf", NULL,
+         "power: |P/sum W|^2; rho: relative BRDF (default); brdf: absolute, sr^-1", NULL},
+        {"check", DIF_OPT_INT, &measure->n_check, "[1, 1000000]", "N",
+         "measure the error on N random cells against the direct sum; exit 1 if it exceeds --tol", NULL},
+    };
+    const dif_opt opts[] = {
+        {"Measurement", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
+        {"tol", DIF_OPT_REAL, &measure->tol, "[1e-14, 1)", "TOL",
+         "wanted amplitude error, relative to the largest possible amplitude (default 1e-6)", NULL},
+        {"method", DIF_OPT_CHOICE, &measure->method, "sheet|taylor|direct", NULL,
+         "sheet: fast and exact to --tol (default); taylor: power series; direct: plain sum, slow", NULL},
+        {"terms", DIF_OPT_INT, &measure->n_terms, "[1, 200]", "N", "taylor: number of terms (default: from --tol)",
+         NULL},
+        {"window", DIF_OPT_CHOICE, &measure->window, "gauss|flat", NULL, "coherence window (default gauss)", NULL},
+        {"sigma-um", DIF_OPT_REAL, &measure->sigma_um, "(0, inf)", "UM", "its standard deviation (default 16.25)",
+         NULL},
+        {"average", DIF_OPT_CHOICE, &measure->average, "none|welch", NULL,
+         "none: one window at the centre, one speckle realisation; welch: |P|^2 averaged over windows tiled over the "
+         "patch, the expectation. Default: none for surfaces that `diffbench fixture` made, welch for all others",
+         NULL},
+        {"n", DIF_OPT_REAL, &measure->index_n, "(0, inf)", "N", "refractive index of the sample (default 1.5)", NULL},
+        {"kappa", DIF_OPT_REAL, &measure->index_kappa, "[0, inf)", "K", "its extinction (default 0)", NULL},
+    };
+    dif_cli_add(cli, opts, DIF_COUNT(opts));
+    if (with_quantity)
+        dif_cli_add(cli, for_table, DIF_COUNT(for_table));
+}
+
+const char *dif_cli_fixture_name(const dif_field_file *file)
+{
+    static const char mark[] = "diffbench fixture "; /* how `fixture` titles its files */
+    return strncmp(file->title, mark, sizeof mark - 1) == 0 ? file->title + sizeof mark - 1 : NULL;
+}
+
+dif_measure_opts dif_cli_measure_opts(const dif_cli *cli, const dif_cli_measure *measure, const dif_field_file *file,
+                                      dif_progress *progress)
+{
+    dif_measure_opts opts = dif_measure_opts_default();
+    opts.method = (dif_method)measure->method;
+    opts.n_terms = measure->n_terms;
+    opts.window = (dif_window_kind)measure->window;
+    opts.sigma_um = measure->sigma_um;
+    opts.quantity = (dif_quantity)measure->quantity;
+    opts.index = (dif_index){.n = measure->index_n, .kappa = measure->index_kappa};
+    opts.n_thread = cli->n_thread;
+    opts.progress = dif_progress_draw;
+    opts.progress_self = progress;
+    if (measure->average == DIF_AVERAGE_BY_SURFACE)
+        opts.average = dif_cli_fixture_name(file) ? DIF_AVERAGE_NONE : DIF_AVERAGE_WELCH;
+    else
+        opts.average = (dif_average)measure->average;
+    return opts;
+}
+
+void dif_cli_use_threads(const dif_cli *cli)
+{
+    if (cli->n_thread > 0)
+        omp_set_num_threads(cli->n_thread);
+}
+
+void dif_cli_say(const dif_cli *cli, const char *format, ...)
+{
+    if (cli->quiet)
+        return;
+    va_list args;
+    va_start(args, format);
+    fprintf(stderr, "%s: ", cli->verb);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+}
+
+void dif_cli_say_stats(const dif_cli *cli, const dif_measure_stats *stats)
+{
+    char planes[80] = "";
+    if (stats->n_plane > 0)
+        snprintf(planes, sizeof planes, "%d planes, %d taps, %s, amplitude error at most %.2g, ", stats->n_plane,
+                 stats->n_tap, stats->single ? "float" : "double", stats->bound);
+    dif_cli_say(cli, "%zu samples, %d window%s, %spreparing %.3g s, sampling %.3g s (%.3g CPU s)", stats->n_sample,
+                stats->n_window, stats->n_window == 1 ? "" : "s", planes, stats->build_wall_s, stats->eval_wall_s,
+                stats->build_cpu_s + stats->eval_cpu_s);
+}
