@@ -176,7 +176,8 @@ static dif_status transfer_make(const dif_plan *plan, transfer *out, dif_band *b
         lambda_min = fmin(lambda_min, plan->lambda_um[i]);
         lambda_max = fmax(lambda_max, plan->lambda_um[i]);
     }
-    *band = (dif_band){DIF_TWO_PI / lambda_min * s_max, DIF_TWO_PI / lambda_max * c_min, DIF_TWO_PI / lambda_min * c_max};
+    *band =
+        (dif_band){DIF_TWO_PI / lambda_min * s_max, DIF_TWO_PI / lambda_max * c_min, DIF_TWO_PI / lambda_min * c_max};
     return DIF_OK;
 }
 
@@ -387,8 +388,7 @@ static dif_status amplitudes(const dif_field *field, const dif_window *window, c
 static void finish_sample(const dif_query *query, dif_index index, double area_um2, dif_sample *sample)
 {
     sample->rho = sample->power * dif_brdf_gain_rho(index, query->wi, query->wo);
-    sample->brdf_per_sr =
-        sample->power * dif_brdf_gain_per_sr(index, query->wi, query->wo, query->lambda_um, area_um2);
+    sample->brdf_per_sr = sample->power * dif_brdf_gain_per_sr(index, query->wi, query->wo, query->lambda_um, area_um2);
 }
 
 static dif_status measure_queries(const dif_field *field, size_t n, const dif_query *query, double tol,

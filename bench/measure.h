@@ -28,7 +28,7 @@ typedef struct dif_measure_opts {
     dif_average average;
     dif_quantity quantity;
     dif_index index;
-    int n_thread; /* 0 = all */
+    int n_thread;                               /* 0 = all */
     void (*progress)(void *self, double share); /* may be NULL; called from the calling thread */
     void *progress_self;
 } dif_measure_opts;
@@ -38,14 +38,14 @@ dif_measure_opts dif_measure_opts_default(void);
 
 /* What a measurement cost and reached. */
 typedef struct dif_measure_stats {
-    double bound;        /* of |amplitude error| / sum W                             */
-    double build_wall_s, build_cpu_s;   /* planes and transforms                      */
-    double eval_wall_s, eval_cpu_s;     /* samples                                    */
-    int n_window;        /* windows averaged                                         */
-    int n_plane, n_tap;  /* of the (last) sheet; 0 for direct                        */
-    size_t n_sample;     /* samples evaluated                                        */
-    bool single;         /* stored in float                                          */
-    double area_um2;     /* effective area (T^2 sum W)^2/(T^2 sum W^2)               */
+    double bound;                     /* of |amplitude error| / sum W                             */
+    double build_wall_s, build_cpu_s; /* planes and transforms                      */
+    double eval_wall_s, eval_cpu_s;   /* samples                                    */
+    int n_window;                     /* windows averaged                                         */
+    int n_plane, n_tap;               /* of the (last) sheet; 0 for direct                        */
+    size_t n_sample;                  /* samples evaluated                                        */
+    bool single;                      /* stored in float                                          */
+    double area_um2;                  /* effective area (T^2 sum W)^2/(T^2 sum W^2)               */
 } dif_measure_stats;
 
 /* Measures an in-plane table.
@@ -71,10 +71,10 @@ DIF_MUST_USE dif_status dif_measure_queries(const dif_field *field, size_t n, co
 /* Largest error of a table against the direct sum on a random subset. */
 typedef struct dif_measure_check {
     int n_sample;
-    double worst_amplitude;      /* largest | |P| - |P_direct| | / sum W                      */
+    double worst_amplitude;                  /* largest | |P| - |P_direct| | / sum W                      */
     double worst_angle_deg, worst_lambda_nm; /* where                                         */
     double worst_value, worst_direct;        /* both values, in the table's quantity          */
-    double direct_s_per_sample;  /* wall seconds the direct sum took per sample               */
+    double direct_s_per_sample;              /* wall seconds the direct sum took per sample               */
 } dif_measure_check;
 
 /* Compares n random cells (seeded) of a measured table with the direct sum. */

@@ -6,7 +6,7 @@
 
 #include "core/units.h"
 
-enum { OFFSETS = 12, POSITIONS = 24, CHEB_MAX = 32 };
+enum { OFFSETS = 12, POSITIONS = 40, CHEB_MAX = 32 };
 
 static double semicircle(double beta, double z)
 {
@@ -113,21 +113,22 @@ void dif_kernel_taps(const dif_kernel *kernel, double t, double *weight)
 }
 
 /* Largest relative error of reproducing exp(i xi x) over offsets t and positions |xi| <= pi/sigma: the interpolated
- * value over the true one is sum_i phi(d_i) exp(i xi d_i) / phi^(xi). The 5 % cover what lies between the points. */
+ * value over the true one is sum_i phi(d_i) exp(i xi d_i) / phi^(xi). Offsets of both signs and positions of both signs
+ * give conjugates. The 5 % cover what lies between the points. */
 static double measure_bound(const dif_kernel *kernel)
 {
     double worst = 0.0;
     const int w = kernel->width;
     double taps[OFFSETS + 1][DIF_KERNEL_WIDTH_MAX];
     for (int i = 0; i <= OFFSETS; i++)
-        dif_kernel_taps(kernel, -0.5 + (double)i / OFFSETS, taps[i]);
+        dif_kernel_taps(kernel, 0.5 * i / OFFSETS, taps[i]);
     for (int j = 0; j <= POSITIONS; j++) {
         const double xi = DIF_PI / kernel->sigma * j / POSITIONS;
         const double gain = 1.0 / dif_kernel_transform(kernel, xi);
         for (int i = 0; i <= OFFSETS; i++) {
             double re = 0.0, im = 0.0;
             for (int tap = 0; tap < w; tap++) {
-                const double phase = xi * (-0.5 + (double)i / OFFSETS + 0.5 * (w - 1) - tap);
+                const double phase = xi * (0.5 * i / OFFSETS + 0.5 * (w - 1) - tap);
                 re += taps[i][tap] * cos(phase);
                 im += taps[i][tap] * sin(phase);
             }
@@ -139,7 +140,7 @@ static double measure_bound(const dif_kernel *kernel)
 
 static dif_kernel make_width(int width, double sigma)
 {
-    dif_kernel kernel = {.width = width, .sigma = sigma, .beta = 0.977 * DIF_PI * width * (1.0 - 0.5 / sigma)};
+    dif_kernel kernel = {.width = width, .sigma = sigma, .beta = 0.98 * DIF_PI * width * (1.0 - 0.5 / sigma)};
     make_nodes(&kernel);
     int degree = width + 2;
     make_polynomials(&kernel, degree);

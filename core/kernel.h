@@ -12,7 +12,7 @@ extern "C" {
 enum {
     DIF_KERNEL_WIDTH_MAX = 16,
     DIF_KERNEL_DEGREE_MAX = 22,
-    DIF_KERNEL_NODES = 40,       /* quadrature nodes of the transform */
+    DIF_KERNEL_NODES = 40, /* quadrature nodes of the transform */
     DIF_KERNEL_RECIPROCAL_MAX = 24
 };
 

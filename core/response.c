@@ -15,23 +15,23 @@ typedef struct dif_place {
     double offset;
 } dif_place;
 
-#define DIF_REAL float
-#define DIF_LZ 8
+#define DIF_REAL    float
+#define DIF_LZ      8
 #define DIF_NAME(x) f8_##x
 #include "core/response_taps.h"
 
-#define DIF_REAL float
-#define DIF_LZ 16
+#define DIF_REAL    float
+#define DIF_LZ      16
 #define DIF_NAME(x) f16_##x
 #include "core/response_taps.h"
 
-#define DIF_REAL double
-#define DIF_LZ 8
+#define DIF_REAL    double
+#define DIF_LZ      8
 #define DIF_NAME(x) d8_##x
 #include "core/response_taps.h"
 
-#define DIF_REAL double
-#define DIF_LZ 16
+#define DIF_REAL    double
+#define DIF_LZ      16
 #define DIF_NAME(x) d16_##x
 #include "core/response_taps.h"
 

@@ -27,7 +27,7 @@ DIF_INLINE void DIF_NAME(taps)(const DIF_REAL *coef, int degree, int axis, DIF_R
 }
 
 /* sum over planes of tap weight times the row sums: real and imaginary parts. */
-DIF_INLINE void DIF_NAME(contract)(const DIF_NAME(vec) *acc, const DIF_REAL *tap_z, DIF_REAL *re, DIF_REAL *im)
+DIF_INLINE void DIF_NAME(contract)(const DIF_NAME(vec) * acc, const DIF_REAL *tap_z, DIF_REAL *re, DIF_REAL *im)
 {
     DIF_REAL row[2 * DIF_LZ], twice[2 * DIF_LZ];
     for (int j = 0; j < DIF_LZ; j++)

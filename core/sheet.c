@@ -11,11 +11,11 @@
 
 /* float keeps about seven digits; below this tolerance planes are stored in double. */
 #define TOL_SINGLE 5e-7
-#define TOL_MIN 1e-13
+#define TOL_MIN    1e-13
 /* Flat surfaces get this half-range, so that the plane spacing stays finite. */
-#define HALF_MIN_UM 1e-6
+#define HALF_MIN_UM  1e-6
 #define SIGMA_PLANES 2.0
-#define SIGMA_MAX 3.0
+#define SIGMA_MAX    3.0
 /* Past this size an index into the planes would not be an int. */
 enum { BINS_MAX = 1 << 26 };
 
@@ -86,7 +86,8 @@ static void lay_out_waves(dif_sheet *sheet, const dif_band *band, double tol_axi
 static void lay_out_powers(dif_sheet *sheet, const dif_band *band, const dif_sheet_opts *opts, double tol_axis)
 {
     const double x_max = band->kz_max_rad_per_um * sheet->half_um;
-    const int order = opts->n_terms == DIF_TERMS_FROM_TOL ? dif_series_taylor_order(x_max, tol_axis) : opts->n_terms - 1;
+    const int order =
+        opts->n_terms == DIF_TERMS_FROM_TOL ? dif_series_taylor_order(x_max, tol_axis) : opts->n_terms - 1;
     sheet->z.n = order + 1;
     sheet->z.kernel.bound = dif_series_taylor_bound(x_max, order);
     /* Terms as large as x^n/n! cancel down to at most 1: their rounding is what is left. */

@@ -23,7 +23,7 @@ typedef struct dif_sheet dif_sheet;
 
 /* The part of frequency space that will be asked for. */
 typedef struct dif_band {
-    double k_lateral_max_rad_per_um;         /* largest |(kappa_x, kappa_y)|, >= 0       */
+    double k_lateral_max_rad_per_um;             /* largest |(kappa_x, kappa_y)|, >= 0       */
     double kz_min_rad_per_um, kz_max_rad_per_um; /* range of -kappa_z, 0 <= min <= max       */
 } dif_band;
 
@@ -34,9 +34,9 @@ typedef enum dif_basis {
 
 typedef struct dif_sheet_opts {
     dif_basis basis;
-    int n_terms;             /* DIF_BASIS_POWERS: number of terms, or DIF_TERMS_FROM_TOL */
-    bool single;             /* allow float storage where tol permits it               */
-    bool force_single;       /* float whatever tol says: to show where it breaks       */
+    int n_terms;       /* DIF_BASIS_POWERS: number of terms, or DIF_TERMS_FROM_TOL */
+    bool single;       /* allow float storage where tol permits it               */
+    bool force_single; /* float whatever tol says: to show where it breaks       */
 } dif_sheet_opts;
 
 #define DIF_TERMS_FROM_TOL (-1)
@@ -55,22 +55,22 @@ DIF_MUST_USE dif_status dif_sheet_create_line(const dif_field *field, const dif_
                                               dif_sheet **out, dif_error *err);
 
 /* Builds the transform for any direction. Cost O(nx ny planes log(nx ny)). */
-DIF_MUST_USE dif_status dif_sheet_create_volume(const dif_field *field, const dif_window *window,
-                                                const dif_band *band, double tol, const dif_sheet_opts *opts,
-                                                dif_sheet **out, dif_error *err);
+DIF_MUST_USE dif_status dif_sheet_create_volume(const dif_field *field, const dif_window *window, const dif_band *band,
+                                                double tol, const dif_sheet_opts *opts, dif_sheet **out,
+                                                dif_error *err);
 
 void dif_sheet_free(dif_sheet *sheet);
 
 /* What a sheet is like, for reports. */
 typedef struct dif_sheet_info {
-    double bound;      /* bound of |P error| / sum W: kernel aliasing (rigorous) + rounding (estimate)  */
-    double sum_w;      /* sum of W                                                                      */
-    double area_um2;   /* (T^2 sum W)^2 / (T^2 sum W^2)                                                 */
-    int n_plane;       /* planes stored (or Taylor terms)                                               */
-    int n_tap;         /* kernel width, samples per axis                                                */
+    double bound;         /* bound of |P error| / sum W: kernel aliasing (rigorous) + rounding (estimate)  */
+    double sum_w;         /* sum of W                                                                      */
+    double area_um2;      /* (T^2 sum W)^2 / (T^2 sum W^2)                                                 */
+    int n_plane;          /* planes stored (or Taylor terms)                                               */
+    int n_tap;            /* kernel width, samples per axis                                                */
     int n_bin_x, n_bin_y; /* frequency bins kept per plane (n_bin_y = 1 for a line)                     */
-    size_t n_byte;     /* size of the stored planes                                                     */
-    bool single;       /* stored in float                                                               */
+    size_t n_byte;        /* size of the stored planes                                                     */
+    bool single;          /* stored in float                                                               */
 } dif_sheet_info;
 
 dif_sheet_info dif_sheet_info_of(const dif_sheet *sheet);

@@ -25,14 +25,14 @@ struct dif_sheet {
     dif_sheet_info info;
     dif_basis basis;
     bool is_line;
-    dif_axis s, y, z;  /* lateral (line: along the azimuth; volume: x), volume's y, planes                */
-    double mid_um;     /* height that the planes refer to                                                 */
-    double half_um;    /* half-range of the heights about it                                              */
-    int stride;        /* complex numbers per bin: planes and the padding that tap rows need              */
-    void *planes;      /* [bin s][bin y][stride] complex, plane innermost, / sum W; float or double       */
-    float *coef_f;     /* [degree + 1][3 * DIF_SHEET_TAPS]: the axes' tap polynomials side by side        */
-    double *coef_d;    /* the same in double; the one that is not used is NULL                            */
-    int degree;        /* the highest of the axes' degrees                                                */
+    dif_axis s, y, z; /* lateral (line: along the azimuth; volume: x), volume's y, planes                */
+    double mid_um;    /* height that the planes refer to                                                 */
+    double half_um;   /* half-range of the heights about it                                              */
+    int stride;       /* complex numbers per bin: planes and the padding that tap rows need              */
+    void *planes;     /* [bin s][bin y][stride] complex, plane innermost, / sum W; float or double       */
+    float *coef_f;    /* [degree + 1][3 * DIF_SHEET_TAPS]: the axes' tap polynomials side by side        */
+    double *coef_d;   /* the same in double; the one that is not used is NULL                            */
+    int degree;       /* the highest of the axes' degrees                                                */
 };
 
 /* What a pixel contributes to the planes: W exp(-i W_l (h - mid)) gain(h), or W ((h - mid)/half)^l. */

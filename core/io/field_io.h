@@ -13,22 +13,22 @@ extern "C" {
 
 /* What the user says about a file; NaN / NULL = not said. */
 typedef struct dif_field_request {
-    double pixel_um;         /* --pixel-nm                                                        */
-    double size_um;          /* --size-um: extent along x, square pixels                          */
-    double height_um;        /* --height-um: full range of an image's values (black to white)     */
-    const char *z_unit;      /* --z-unit: unit of a text's or unitless EXR's numbers ("nm", "um", "m") */
-    const char *channel;     /* --channel: name of an EXR channel                                 */
+    double pixel_um;     /* --pixel-nm                                                        */
+    double size_um;      /* --size-um: extent along x, square pixels                          */
+    double height_um;    /* --height-um: full range of an image's values (black to white)     */
+    const char *z_unit;  /* --z-unit: unit of a text's or unitless EXR's numbers ("nm", "um", "m") */
+    const char *channel; /* --channel: name of an EXR channel                                 */
 } dif_field_request;
 
 dif_field_request dif_field_request_default(void);
 
 typedef struct dif_field_file {
     dif_field field;
-    char format[32];         /* "gsf", "exr", "png", "text", ...                                   */
-    char title[128];         /* channel or title, may be empty                                    */
-    double step_um;          /* height of one quantisation step of an integer image, 0 = none      */
-    int bits;                /* of an integer image, 0 = not one                                   */
-    char warning[200];       /* one line for the user, or empty                                    */
+    char format[32];   /* "gsf", "exr", "png", "text", ...                                   */
+    char title[128];   /* channel or title, may be empty                                    */
+    double step_um;    /* height of one quantisation step of an integer image, 0 = none      */
+    int bits;          /* of an integer image, 0 = not one                                   */
+    char warning[200]; /* one line for the user, or empty                                    */
 } dif_field_file;
 
 /* Reads a file.

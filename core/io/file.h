@@ -19,11 +19,15 @@ DIF_MUST_USE dif_status dif_file_read(const char *path, size_t n_max, unsigned c
 /* An output being written beside its final place. */
 typedef struct dif_outfile {
     FILE *stream;
-    char *path, *path_tmp; /* owned */
+    char *path, *path_tmp; /* owned; path is what a symbolic link leads to */
 } dif_outfile;
 
-/* Opens PATH.tmp.PID for writing. "-" is not special. Status DIF_ERR_IO, DIF_ERR_NOMEM. */
+/* Opens PATH.tmp.PID for writing. "-" is not special. A PATH that exists and is neither a regular file nor a
+ * directory (a device, a pipe) is written directly: it must not be replaced. Status DIF_ERR_IO, DIF_ERR_NOMEM. */
 DIF_MUST_USE dif_status dif_outfile_open(const char *path, dif_outfile *out, dif_error *err);
+
+/* Writes a block. Status DIF_ERR_IO with the path and the reason (disk full). */
+DIF_MUST_USE dif_status dif_outfile_write(dif_outfile *out, const void *data, size_t n, dif_error *err);
 
 /* Flushes, syncs and renames; on any error the old file stays and the temporary one is removed. Frees *out. */
 DIF_MUST_USE dif_status dif_outfile_commit(dif_outfile *out, dif_error *err);

@@ -13,8 +13,8 @@ extern "C" {
 #endif
 
 typedef struct dif_image {
-    int nx, ny, bits;  /* bits 8 or 16                        */
-    uint16_t *value;   /* value[ny*nx], owned (dif_release)   */
+    int nx, ny, bits; /* bits 8 or 16                        */
+    uint16_t *value;  /* value[ny*nx], owned (dif_release)   */
 } dif_image;
 
 /* Decodes PNG, TIFF or BMP from memory. Grey as it is; colour only if r = g = b (alpha ignored), else

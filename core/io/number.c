@@ -114,7 +114,7 @@ const char *dif_number_parse(const char *text, const char *end, char decimal, do
         }
     }
     if (n_digit == 0)
-        return parse_word(at, end, negative, value);
+        return at > text && at[-1] == decimal ? NULL : parse_word(at, end, negative, value);
     scale += parse_exponent(&at, end);
     if (n_used <= DIGITS_EXACT && mantissa <= MANTISSA_EXACT && abs(scale) <= POWER_EXACT) {
         /* Both numbers are exact, so one operation rounds once. */
