@@ -46,7 +46,7 @@ DIF_INLINE dif_place place_on(const dif_axis *axis, double inv_step, double kapp
     return (dif_place){(int)first, at - first - 0.5 * (axis->kernel.width - 1)};
 }
 
-static bool inside(const dif_axis *axis, const dif_place *place)
+static inline bool inside(const dif_axis *axis, const dif_place *place)
 {
     return place->first >= 0 && place->first + axis->kernel.width <= axis->n;
 }
