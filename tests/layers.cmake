@@ -16,7 +16,7 @@ set(allow_fixtures "^(fixtures/|core/(field|status|alloc|units)\\.h$)") # beside
 set(allow_gpu "^(core/[^/]*$|gpu/)")
 set(allow_bench "^(core/|fixtures/|bench/[^/]*$)")
 set(allow_reports "^(core/|reports/)")
-set(allow_tests ${any})
+set(allow_tests "^((core|fixtures|gpu|bench|reports|tests)/|[^/]+$)")
 
 # Libraries, by the files that may see them.
 set(libraries opencv ceres openexr jansson cmocka epoxy)
