@@ -6,7 +6,7 @@
 
 #include "core/units.h"
 
-enum { OFFSETS = 12, POSITIONS = 40, CHEB_MAX = 32 };
+enum { OFFSETS = 16, POSITIONS = 80, CHEB_MAX = 32 };
 
 static double semicircle(double beta, double z)
 {
@@ -112,28 +112,33 @@ void dif_kernel_taps(const dif_kernel *kernel, double t, double *weight)
     }
 }
 
-/* Largest relative error of reproducing exp(i xi x) over offsets t and positions |xi| <= pi/sigma: the interpolated
- * value over the true one is sum_i phi(d_i) exp(i xi d_i) / phi^(xi). Offsets of both signs and positions of both signs
- * give conjugates. The 5 % cover what lies between the points. */
+/* |sum_i phi(d_i) exp(i xi d_i) / phi^(xi) - 1|: what interpolation makes of exp(i xi x), over the true value. */
+static double error_at(const dif_kernel *kernel, const double *tap, double t, double xi, double gain)
+{
+    const double start = xi * (t + 0.5 * (kernel->width - 1)), c = cos(xi), s = sin(xi);
+    double turn_re = cos(start), turn_im = sin(start), re = 0.0, im = 0.0;
+    for (int i = 0; i < kernel->width; i++) {
+        re += tap[i] * turn_re;
+        im += tap[i] * turn_im;
+        const double next = turn_re * c + turn_im * s;
+        turn_im = turn_im * c - turn_re * s;
+        turn_re = next;
+    }
+    return hypot(re * gain - 1.0, im * gain);
+}
+
+/* The largest error over offsets |t| <= 1/2 and positions |xi| <= pi/sigma; opposite signs give conjugates. The 5 %
+ * cover what lies between the points. */
 static double measure_bound(const dif_kernel *kernel)
 {
-    double worst = 0.0;
-    const int w = kernel->width;
-    double taps[OFFSETS + 1][DIF_KERNEL_WIDTH_MAX];
+    double worst = 0.0, taps[OFFSETS + 1][DIF_KERNEL_WIDTH_MAX];
     for (int i = 0; i <= OFFSETS; i++)
         dif_kernel_taps(kernel, 0.5 * i / OFFSETS, taps[i]);
     for (int j = 0; j <= POSITIONS; j++) {
         const double xi = DIF_PI / kernel->sigma * j / POSITIONS;
         const double gain = 1.0 / dif_kernel_transform(kernel, xi);
-        for (int i = 0; i <= OFFSETS; i++) {
-            double re = 0.0, im = 0.0;
-            for (int tap = 0; tap < w; tap++) {
-                const double phase = xi * (0.5 * i / OFFSETS + 0.5 * (w - 1) - tap);
-                re += taps[i][tap] * cos(phase);
-                im += taps[i][tap] * sin(phase);
-            }
-            worst = fmax(worst, hypot(re * gain - 1.0, im * gain));
-        }
+        for (int i = 0; i <= OFFSETS; i++)
+            worst = fmax(worst, error_at(kernel, taps[i], 0.5 * i / OFFSETS, xi, gain));
     }
     return 1.05 * worst;
 }
