@@ -1,0 +1,128 @@
+#include "bench/cli/fit_print.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "bench/cli/cli.h"
+#include "core/units.h"
+
+/* Prints value +- error with as many decimals as the error's second digit. */
+static void print_pair(double value_nm, double error_nm)
+{
+    int decimals = error_nm > 0.0 && isfinite(error_nm) ? 1 - (int)floor(log10(error_nm)) : 3;
+    decimals = decimals < 0 ? 0 : decimals > 9 ? 9 : decimals;
+    printf("%.*f nm +- %.*f nm", decimals, value_nm, decimals, error_nm);
+}
+
+static void print_note(const char *note)
+{
+    if (note[0])
+        printf("note       %s\n", note);
+}
+
+void dif_fit_table_print(const dif_fit_result *r)
+{
+    printf("period     ");
+    print_pair(dif_nm_from_um(r->period_um), dif_nm_from_um(r->period_uncertainty_um));
+    printf(" (one standard error: the larger of the two below)\n"
+           "           covariance %.3g nm, scatter over %d disjoint parts %.3g nm\n",
+           dif_nm_from_um(r->period_sd_um), r->n_part, dif_nm_from_um(r->period_scatter_um));
+    if (r->offset_sd_rad > 0.0)
+        printf("offset     %.6f deg +- %.2g deg\n", dif_deg_from_rad(r->offset_rad),
+               dif_deg_from_rad(r->offset_sd_rad));
+    printf("ridges     %5s %12s %12s %12s %8s %14s %12s\n", "order", "period_nm", "covariance", "scatter", "weight",
+           "f_per_um", "width_per_um");
+    for (int i = 0; i < r->n_ridge; i++) {
+        const dif_fit_ridge *ridge = &r->ridge[i];
+        printf("           %5d %12.7g %12.3g %12.3g %8.4f %14.8g %12.4g\n", ridge->order,
+               dif_nm_from_um(ridge->period_um), dif_nm_from_um(ridge->period_sd_um),
+               dif_nm_from_um(ridge->period_scatter_um), ridge->weight, ridge->f_per_um, ridge->width_per_um);
+    }
+    printf("residuals  rms %.3g, %.3g %% of the data's rms; %d data, %d parameters, %d iterations\n", r->residual_rms,
+           100.0 * r->residual_share, r->n_data, r->n_parameter, r->n_iteration);
+    print_note(r->note);
+}
+
+void dif_fit_surface_print(const dif_fit_surface_result *r)
+{
+    printf("period     ");
+    print_pair(dif_nm_from_um(r->period_um), dif_nm_from_um(r->period_uncertainty_um));
+    printf(
+        " (one standard error: the larger of the two below)\n"
+        "           covariance %.3g nm, scatter over %d bands of the scan %.3g nm (their standard deviation %.3g nm)\n"
+        "groove     normal at azimuth %.4f deg +- %.2g deg\n",
+        dif_nm_from_um(r->period_sd_um), r->n_part, dif_nm_from_um(r->period_scatter_um), dif_nm_from_um(r->band_sd_um),
+        dif_deg_from_rad(r->psi_rad), dif_deg_from_rad(r->psi_sd_rad));
+    printf("harmonics ");
+    for (int i = 0; i < r->n_harmonic; i++)
+        printf(" %.4g", dif_nm_from_um(r->amplitude_um[i]));
+    printf(" nm (amplitudes)\n"
+           "residuals  rms %.3g nm, %.3g %% of the heights' rms; %d iterations\n",
+           dif_nm_from_um(r->residual_rms_um), 100.0 * r->residual_share, r->n_iteration);
+    print_note(r->note);
+}
+
+static void set_number(json_t *object, const char *key, double value)
+{
+    json_object_set_new(object, key, dif_json_number(value));
+}
+
+static void set_period(json_t *object, double period_um, double sd_um, double scatter_um)
+{
+    set_number(object, "period_nm", dif_nm_from_um(period_um));
+    set_number(object, "period_sd_nm", dif_nm_from_um(sd_um));
+    set_number(object, "period_scatter_nm", dif_nm_from_um(scatter_um));
+}
+
+static json_t *json_ridge(const dif_fit_ridge *ridge)
+{
+    json_t *object = json_pack("{s:i}", "order", ridge->order);
+    set_period(object, ridge->period_um, ridge->period_sd_um, ridge->period_scatter_um);
+    set_number(object, "weight", ridge->weight);
+    set_number(object, "f_per_um", ridge->f_per_um);
+    set_number(object, "f_sd_per_um", ridge->f_sd_per_um);
+    set_number(object, "width_per_um", ridge->width_per_um);
+    return object;
+}
+
+json_t *dif_fit_table_json(const dif_fit_result *r, const dif_manifest *manifest)
+{
+    json_t *object = json_pack("{s:s}", "kind", "table"), *ridges = json_array();
+    set_period(object, r->period_um, r->period_sd_um, r->period_scatter_um);
+    set_number(object, "period_uncertainty_nm", dif_nm_from_um(r->period_uncertainty_um));
+    set_number(object, "offset_deg", dif_deg_from_rad(r->offset_rad));
+    set_number(object, "offset_sd_deg", dif_deg_from_rad(r->offset_sd_rad));
+    for (int i = 0; i < r->n_ridge; i++)
+        json_array_append_new(ridges, json_ridge(&r->ridge[i]));
+    json_object_set_new(object, "ridges", ridges);
+    set_number(object, "residual_rms", r->residual_rms);
+    set_number(object, "residual_share", r->residual_share);
+    set_number(object, "criterion", r->criterion);
+    json_object_set_new(object, "n_data", json_integer(r->n_data));
+    json_object_set_new(object, "n_parameter", json_integer(r->n_parameter));
+    json_object_set_new(object, "n_iteration", json_integer(r->n_iteration));
+    json_object_set_new(object, "n_part", json_integer(r->n_part));
+    json_object_set_new(object, "note", json_string(r->note));
+    json_object_set_new(object, "provenance", dif_json_manifest(manifest));
+    return object;
+}
+
+json_t *dif_fit_surface_json(const dif_fit_surface_result *r, const dif_manifest *manifest)
+{
+    json_t *object = json_pack("{s:s}", "kind", "surface"), *harmonics = json_array();
+    set_period(object, r->period_um, r->period_sd_um, r->period_scatter_um);
+    set_number(object, "period_uncertainty_nm", dif_nm_from_um(r->period_uncertainty_um));
+    set_number(object, "band_sd_nm", dif_nm_from_um(r->band_sd_um));
+    set_number(object, "psi_deg", dif_deg_from_rad(r->psi_rad));
+    set_number(object, "psi_sd_deg", dif_deg_from_rad(r->psi_sd_rad));
+    for (int i = 0; i < r->n_harmonic; i++)
+        json_array_append_new(harmonics, dif_json_number(dif_nm_from_um(r->amplitude_um[i])));
+    json_object_set_new(object, "amplitude_nm", harmonics);
+    set_number(object, "residual_rms_nm", dif_nm_from_um(r->residual_rms_um));
+    set_number(object, "residual_share", r->residual_share);
+    json_object_set_new(object, "n_iteration", json_integer(r->n_iteration));
+    json_object_set_new(object, "n_part", json_integer(r->n_part));
+    json_object_set_new(object, "note", json_string(r->note));
+    json_object_set_new(object, "provenance", dif_json_manifest(manifest));
+    return object;
+}
