@@ -57,7 +57,8 @@ dif_status dif_fail_named(dif_error *err, const char *name, dif_status status)
         char text[sizeof err->text], short_name[DIF_NAME_SIZE];
         memcpy(text, err->text, sizeof text);
         dif_name_short(name, short_name);
-        snprintf(err->text, sizeof err->text, "%s: %.*s", short_name, (int)(sizeof text - DIF_NAME_SIZE - 3), text);
+        const int n_left = (int)(sizeof text - strlen(short_name) - 3);
+        snprintf(err->text, sizeof err->text, "%s: %.*s", short_name, n_left, text);
     }
     return status;
 }

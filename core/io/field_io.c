@@ -1,0 +1,256 @@
+#include "core/io/field_io.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/alloc.h"
+#include "core/io/exr_io.h"
+#include "core/io/file.h"
+#include "core/io/image_head.h"
+#include "core/io/raw.h"
+#include "core/io/unit.h"
+#include "core/units.h"
+
+static const size_t FILE_MAX = (size_t)1 << 32;
+
+dif_field_request dif_field_request_default(void)
+{
+    const dif_field_request request = {.pixel_um = NAN, .size_um = NAN, .height_um = NAN};
+    return request;
+}
+
+/* Formats that are known and not read. */
+static const struct {
+    const char *magic, *what;
+} UNREADABLE[] = {
+    {"\\*Force file list", "a NanoScope force curve, not an image"},
+    {"\\*File list", "a NanoScope image"},
+    {"\\*EC File list", "a NanoScope image"},
+    {"?*File list", "a NanoScope image as text"},
+    {"GWYP", "a Gwyddion file"},
+    {"GWYO", "a Gwyddion file (version 1)"},
+    {"bBCR", "an SDF surface"},
+    {"bISO", "an SDF surface"},
+    {"aBCR", "an SDF surface as text"},
+    {"aISO", "an SDF surface as text"},
+    {"PK\x03\x04", "a zip archive (x3p surface?)"},
+    {"\x1f\x8b", "a gzip archive, unpack it first"},
+    {"\xff\xd8\xff", "a JPEG picture, which is lossy"},
+    {"\x89HDF", "an HDF5 file"},
+    {"CDF", "a netCDF file"},
+};
+
+static dif_status refuse_known(const dif_source *source, dif_error *err)
+{
+    for (size_t i = 0; i < sizeof UNREADABLE / sizeof *UNREADABLE; i++) {
+        if (dif_source_has(source, 0, UNREADABLE[i].magic, strlen(UNREADABLE[i].magic)))
+            return dif_fail(err, DIF_ERR_UNSUPPORTED, "%s: %s; want EXR, PNG, TIFF, BMP, GSF or a text matrix",
+                            source->name, UNREADABLE[i].what);
+    }
+    return DIF_OK;
+}
+
+static dif_status read_raw(const dif_source *source, const dif_field_request *request, dif_raw *raw, dif_error *err)
+{
+    static const char GSF_MAGIC[] = "Gwyddion Simple Field 1.0\n";
+    if (source->n == 0)
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: empty file", source->name);
+    const dif_status status = refuse_known(source, err);
+    if (status)
+        return status;
+    if (dif_source_has(source, 0, GSF_MAGIC, sizeof GSF_MAGIC - 1))
+        return dif_gsf_read(source, raw, err);
+    if (dif_exr_is(source))
+        return dif_exr_field_read(source, request->channel, raw, err);
+    if (dif_image_is(source->data, source->n))
+        return dif_picture_read(source, raw, err);
+    return dif_text_matrix_read(source, raw, err);
+}
+
+static bool is_said(double value)
+{
+    return !isnan(value);
+}
+
+static dif_status check_request(const dif_source *source, const dif_field_request *request, dif_error *err)
+{
+    const double said[] = {request->pixel_um, request->size_um, request->height_um};
+    static const char *const FLAGS[] = {"--pixel-nm", "--size-um", "--height-um"};
+    double unit_um = 0.0;
+    for (int i = 0; i < 3; i++) {
+        if (is_said(said[i]) && !(said[i] > 0.0 && isfinite(said[i])))
+            return dif_fail(err, DIF_ERR_ARG, "%s: %s says %g um, want a finite length > 0", source->name, FLAGS[i],
+                            said[i]);
+    }
+    if (is_said(request->pixel_um) && is_said(request->size_um))
+        return dif_fail(err, DIF_ERR_ARG, "%s: --pixel-nm and --size-um both given, want one of them", source->name);
+    if (request->z_unit && !dif_unit_parse(request->z_unit, strlen(request->z_unit), &unit_um))
+        return dif_fail(err, DIF_ERR_ARG, "%s: --z-unit is '%.20s', want pm, nm, um, mm, m or A", source->name,
+                        request->z_unit);
+    return DIF_OK;
+}
+
+/* Adds a sentence to the warning; what does not fit is left out. */
+static void warn(dif_field_file *out, const char *format, ...) DIF_PRINTF(2, 3);
+static void warn(dif_field_file *out, const char *format, ...)
+{
+    size_t n = strlen(out->warning);
+    if (n > 0 && n + 2 < sizeof out->warning) {
+        memcpy(out->warning + n, "; ", 3);
+        n += 2;
+    }
+    va_list args;
+    va_start(args, format);
+    vsnprintf(out->warning + n, sizeof out->warning - n, format, args);
+    va_end(args);
+}
+
+/* Heights a number of the file stands for: height = offset + unit z. What the user says wins. */
+static void choose_heights(const dif_raw *raw, const dif_field_request *request, dif_field_file *out, double *unit_um,
+                           double *offset_um)
+{
+    *unit_um = raw->unit_um;
+    *offset_um = raw->offset_um;
+    const bool file_says = is_said(raw->unit_um);
+    double said_um = NAN;
+    if (raw->bits > 0) {
+        if (is_said(request->height_um))
+            said_um = request->height_um / (double)((1 << raw->bits) - 1);
+        if (request->z_unit)
+            warn(out, "--z-unit is not used: an image's heights come from --height-um");
+    } else {
+        if (request->z_unit)
+            (void)dif_unit_parse(request->z_unit, strlen(request->z_unit), &said_um); /* checked before */
+        if (is_said(request->height_um))
+            warn(out, "--height-um is not used: the file's numbers are heights");
+    }
+    if (!is_said(said_um))
+        return;
+    if (file_says && fabs(said_um - raw->unit_um) > 1e-9 * fabs(said_um))
+        warn(out, "the file's own height scale is replaced by the one given");
+    *unit_um = said_um;
+    *offset_um = 0.0;
+}
+
+static void choose_pitches(const dif_raw *raw, const dif_field_request *request, double unit_um, dif_field_file *out,
+                           double pitch_um[2])
+{
+    pitch_um[0] = is_said(raw->step_x) ? raw->step_x * unit_um : raw->pitch_x_um;
+    pitch_um[1] = is_said(raw->step_y) ? raw->step_y * unit_um : raw->pitch_y_um;
+    const double said_um = is_said(request->pixel_um) ? request->pixel_um : request->size_um / raw->nx;
+    if (!is_said(said_um))
+        return;
+    const bool differs = is_said(pitch_um[0]) && fabs(pitch_um[0] - said_um) > 1e-6 * said_um;
+    if (differs && !is_said(raw->step_x))
+        warn(out, "the file's own pitch of %.6g nm is replaced by %.6g nm", dif_nm_from_um(pitch_um[0]),
+             dif_nm_from_um(said_um));
+    pitch_um[0] = pitch_um[1] = said_um;
+}
+
+/* The flags for what neither file nor user said. */
+static dif_status check_scale(const dif_source *source, const dif_raw *raw, double unit_um, double pitch_um,
+                              dif_error *err)
+{
+    const bool has_pitch = is_said(pitch_um), has_unit = is_said(unit_um);
+    const char *lateral = has_pitch || is_said(raw->step_x) ? "" : "--pixel-nm or --size-um";
+    const char *height = has_unit ? "" : raw->bits > 0 ? "--height-um (black to white)" : "--z-unit (nm, um, m)";
+    if (has_pitch && has_unit)
+        return DIF_OK;
+    return dif_fail(err, DIF_ERR_SCALE, "%s: %s has no %s in it, give %s%s%s", source->name, raw->format,
+                    has_pitch  ? "height scale"
+                    : has_unit ? "lateral scale"
+                               : "scale",
+                    lateral, *lateral && *height ? ", and " : "", height);
+}
+
+static dif_status finish(const dif_source *source, dif_raw *raw, const dif_field_request *request, dif_field_file *out,
+                         dif_error *err)
+{
+    double unit_um = NAN, offset_um = 0.0, pitch_um[2];
+    choose_heights(raw, request, out, &unit_um, &offset_um);
+    choose_pitches(raw, request, unit_um, out, pitch_um);
+    dif_status status = check_scale(source, raw, unit_um, pitch_um[0], err);
+    if (status)
+        return status;
+    const size_t n = (size_t)raw->nx * (size_t)raw->ny;
+    for (size_t i = 0; i < n; i++)
+        raw->z[i] = offset_um + unit_um * raw->z[i];
+    out->field = (dif_field){raw->nx, raw->ny, pitch_um[0], pitch_um[1], raw->z};
+    status = dif_field_check(&out->field, err);
+    if (status)
+        return dif_fail_named(err, source->name, status == DIF_ERR_ARG ? DIF_ERR_FORMAT : status);
+    memcpy(out->format, raw->format, sizeof out->format);
+    memcpy(out->title, raw->title, sizeof out->title);
+    out->bits = raw->bits;
+    if (raw->bits > 0)
+        out->step_um = fabs(unit_um);
+    if (raw->bits == 8)
+        warn(out, "8-bit heights: one step is %.4g nm", dif_nm_from_um(out->step_um));
+    return DIF_OK;
+}
+
+dif_status dif_field_parse(const unsigned char *data, size_t n, const char *name, const dif_field_request *request,
+                           dif_field_file *out, dif_error *err)
+{
+    *out = (dif_field_file){0};
+    const dif_field_request nothing = dif_field_request_default();
+    if (!request)
+        request = &nothing;
+    const dif_source source = dif_source_of(data, n, name);
+    dif_raw raw = dif_raw_empty("");
+    dif_status status = check_request(&source, request, err);
+    if (!status)
+        status = read_raw(&source, request, &raw, err);
+    if (!status)
+        status = finish(&source, &raw, request, out, err);
+    if (status) {
+        dif_raw_free(&raw);
+        *out = (dif_field_file){0};
+    }
+    return status;
+}
+
+dif_status dif_field_read(const char *path, const dif_field_request *request, dif_field_file *out, dif_error *err)
+{
+    unsigned char *data = NULL;
+    size_t n = 0;
+    *out = (dif_field_file){0};
+    dif_status status = dif_file_read(path, FILE_MAX, &data, &n, err);
+    if (!status)
+        status = dif_field_parse(data, n, path, request, out, err);
+    dif_release(data);
+    return status;
+}
+
+void dif_field_file_free(dif_field_file *file)
+{
+    if (!file)
+        return;
+    dif_field_free(&file->field);
+    *file = (dif_field_file){0};
+}
+
+static bool ends_with(const char *path, const char *end)
+{
+    const size_t n = strlen(path), n_end = strlen(end);
+    return n > n_end && strcmp(path + n - n_end, end) == 0;
+}
+
+dif_status dif_field_write(const char *path, const dif_field *field, const dif_manifest *manifest, dif_error *err)
+{
+    unsigned char *data = NULL;
+    size_t n = 0;
+    const bool is_exr = ends_with(path, ".exr");
+    dif_status status = dif_field_check(field, err);
+    if (!status && !is_exr && !ends_with(path, ".gsf"))
+        status = dif_fail(err, DIF_ERR_ARG, "heightfields are written as .exr or .gsf");
+    if (!status)
+        status = (is_exr ? dif_exr_field_encode : dif_gsf_encode)(field, manifest, &data, &n, err);
+    if (status)
+        return dif_fail_named(err, path, status);
+    status = dif_file_write(path, data, n, err);
+    dif_release(data);
+    return status;
+}

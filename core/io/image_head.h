@@ -1,0 +1,28 @@
+/* What the headers of PNG, TIFF and BMP say, and whether the file is whole: looked at before a decoder allocates.
+ * Internal to core/io. Does not: decode pixels. Messages carry no file name. */
+#ifndef DIF_IMAGE_HEAD_H
+#define DIF_IMAGE_HEAD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "core/status.h"
+
+typedef struct dif_image_head {
+    long long nx, ny;
+    char format[8]; /* "png", "tiff", "bmp" */
+} dif_image_head;
+
+/* True for the magic bytes of one of the three. */
+bool dif_image_is(const unsigned char *data, size_t n);
+
+/* Status DIF_ERR_FORMAT (truncated, broken), DIF_ERR_UNSUPPORTED (a kind that holds no plain grey heights). */
+DIF_MUST_USE dif_status dif_image_head_read(const unsigned char *data, size_t n, dif_image_head *out, dif_error *err);
+
+/* The text of a PNG's tEXt chunk with this key (checked file); copies at most size - 1 bytes. False if there is none. */
+bool dif_png_text(const unsigned char *data, size_t n, const char *key, char *text, size_t size);
+
+/* The two parts, by format (image_tiff.c). */
+DIF_MUST_USE dif_status dif_tiff_head_read(const unsigned char *data, size_t n, dif_image_head *out, dif_error *err);
+
+#endif

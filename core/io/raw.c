@@ -1,0 +1,140 @@
+#include "core/io/raw.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/alloc.h"
+#include "core/io/number.h"
+#include "core/io/unit.h"
+
+dif_raw dif_raw_empty(const char *format)
+{
+    dif_raw raw = {.pitch_x_um = NAN, .pitch_y_um = NAN, .step_x = NAN, .step_y = NAN, .unit_um = NAN};
+    snprintf(raw.format, sizeof raw.format, "%s", format);
+    return raw;
+}
+
+void dif_raw_free(dif_raw *raw)
+{
+    dif_release(raw->z);
+    raw->z = NULL;
+}
+
+dif_status dif_raw_check_size(const dif_source *source, long long nx, long long ny, dif_error *err)
+{
+    if (nx < 1 || ny < 1)
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: %lld x %lld samples, want at least 1 x 1", source->name, nx, ny);
+    if (nx > DIF_FIELD_SIDE_MAX || ny > DIF_FIELD_SIDE_MAX)
+        return dif_fail(err, DIF_ERR_SIZE, "%s: %lld x %lld samples, want at most %d a side", source->name, nx, ny,
+                        (int)DIF_FIELD_SIDE_MAX);
+    if (nx * ny > DIF_FIELD_SAMPLES_MAX)
+        return dif_fail(err, DIF_ERR_SIZE, "%s: %lld x %lld samples, want at most %d together", source->name, nx, ny,
+                        (int)DIF_FIELD_SAMPLES_MAX);
+    return DIF_OK;
+}
+
+dif_status dif_raw_allocate(const dif_source *source, long long nx, long long ny, dif_raw *raw, dif_error *err)
+{
+    const dif_status status = dif_raw_check_size(source, nx, ny, err);
+    if (status)
+        return status;
+    raw->z = dif_alloc((size_t)nx * (size_t)ny, sizeof *raw->z);
+    if (!raw->z)
+        return dif_fail(err, DIF_ERR_NOMEM, "%s: %lld x %lld samples", source->name, nx, ny);
+    raw->nx = (int)nx;
+    raw->ny = (int)ny;
+    return DIF_OK;
+}
+
+void dif_raw_set_title(dif_raw *raw, const char *text, size_t n)
+{
+    size_t n_copy = n < sizeof raw->title - 1 ? n : sizeof raw->title - 1;
+    while (n_copy < n && n_copy > 0 && ((unsigned char)text[n_copy] & 0xc0u) == 0x80u)
+        n_copy--;
+    for (size_t i = 0; i < n_copy; i++)
+        raw->title[i] = (unsigned char)text[i] < 0x20u || text[i] == 0x7f ? ' ' : text[i];
+    raw->title[n_copy] = '\0';
+}
+
+/* The number of a key times a unit; *out stays if the key is missing. */
+static dif_status take_number(const dif_source *source, const char *key, const char *text, double unit, double *out,
+                              dif_error *err)
+{
+    double value = 0.0;
+    if (!text)
+        return DIF_OK;
+    if (!dif_number_all(text, strlen(text), '.', &value) || !isfinite(value)) {
+        char quote[DIF_QUOTE_SIZE];
+        dif_quote(text, strlen(text), quote);
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: %s is '%s', want a finite number", source->name, key, quote);
+    }
+    *out = value * unit;
+    return DIF_OK;
+}
+
+/* The length unit of the first of two keys that is there, *unit_um stays without; false if it is no length. */
+static bool take_unit(dif_key_lookup *lookup, void *self, const char *const keys[2], double *unit_um)
+{
+    const char *text = lookup(self, keys[0]);
+    if (!text)
+        text = lookup(self, keys[1]);
+    return !text || !*text || dif_unit_parse(text, strlen(text), unit_um);
+}
+
+static dif_status take_extents(const dif_source *source, dif_key_lookup *lookup, void *self, dif_raw *raw,
+                               dif_error *err)
+{
+    static const char *const UNIT_KEYS[2] = {"Gwy::XYUnit", "Gwy::XYUnits"};
+    double unit_um = 1e6, size_x_um = NAN, size_y_um = NAN;
+    const char *x_text = lookup(self, "Gwy::XReal"), *y_text = lookup(self, "Gwy::YReal");
+    if (!x_text && !y_text)
+        return DIF_OK;
+    if (!take_unit(lookup, self, UNIT_KEYS, &unit_um))
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: Gwy::XYUnit is no length unit", source->name);
+    dif_status status = take_number(source, "Gwy::XReal", x_text ? x_text : y_text, unit_um, &size_x_um, err);
+    if (!status)
+        status = take_number(source, "Gwy::YReal", y_text ? y_text : x_text, unit_um, &size_y_um, err);
+    if (status)
+        return status;
+    if (!(size_x_um > 0.0 && size_y_um > 0.0))
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: Gwy::XReal, YReal are %g, %g um, want > 0", source->name, size_x_um,
+                        size_y_um);
+    raw->pitch_x_um = size_x_um / raw->nx;
+    raw->pitch_y_um = size_y_um / raw->ny;
+    return DIF_OK;
+}
+
+static dif_status take_heights(const dif_source *source, dif_key_lookup *lookup, void *self, dif_raw *raw,
+                               dif_error *err)
+{
+    static const char *const UNIT_KEYS[2] = {"Gwy::ZUnit", "Gwy::ZUnits"};
+    double unit_um = NAN, min_um = NAN, max_um = NAN, scale = 1.0;
+    if (!take_unit(lookup, self, UNIT_KEYS, &unit_um))
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: Gwy::ZUnit is no length unit: not a heightfield", source->name);
+    if (!(unit_um > 0.0))
+        return DIF_OK;
+    if (raw->bits == 0) {
+        const dif_status status = take_number(source, "Gwy::ZScale", lookup(self, "Gwy::ZScale"), 1.0, &scale, err);
+        raw->unit_um = unit_um * scale;
+        return status;
+    }
+    dif_status status = take_number(source, "Gwy::ZMin", lookup(self, "Gwy::ZMin"), unit_um, &min_um, err);
+    if (!status)
+        status = take_number(source, "Gwy::ZMax", lookup(self, "Gwy::ZMax"), unit_um, &max_um, err);
+    if (status || isnan(min_um) || isnan(max_um))
+        return status;
+    raw->offset_um = min_um;
+    raw->unit_um = (max_um - min_um) / (double)((1 << raw->bits) - 1);
+    return DIF_OK;
+}
+
+dif_status dif_raw_take_gwy_keys(const dif_source *source, dif_key_lookup *lookup, void *self, dif_raw *raw,
+                                 dif_error *err)
+{
+    const char *title = lookup(self, "Gwy::Title");
+    if (title)
+        dif_raw_set_title(raw, title, strlen(title));
+    const dif_status status = take_extents(source, lookup, self, raw, err);
+    return status ? status : take_heights(source, lookup, self, raw, err);
+}

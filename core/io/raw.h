@@ -1,0 +1,54 @@
+/* A heightfield as a reader finds it: the file's own numbers and what the file says of their scale.
+ * field_io.c turns it into heights. Internal to core/io. */
+#ifndef DIF_RAW_H
+#define DIF_RAW_H
+
+#include "core/field.h"
+#include "core/io/manifest.h"
+#include "core/io/source.h"
+
+enum { DIF_FIELD_SAMPLES_MAX = 1 << 28 }; /* 2 GiB of heights */
+
+typedef struct dif_raw {
+    int nx, ny;
+    double *z;                     /* z[ny*nx], owned, numbers of the file, may be non-finite   */
+    double pitch_x_um, pitch_y_um; /* NaN = the file does not say                               */
+    double step_x, step_y;         /* pitches in the file's own numbers (x y z list), else NaN  */
+    double unit_um, offset_um;     /* height = offset_um + unit_um z; unit NaN = not said       */
+    int bits;                      /* of an integer image, else 0                               */
+    char format[32], title[128];
+} dif_raw;
+
+/* Says nothing: NaN everywhere, offset 0. */
+dif_raw dif_raw_empty(const char *format);
+void dif_raw_free(dif_raw *raw);
+
+/* Allocates z for a size that a file claims.
+ * Status DIF_ERR_FORMAT for sides < 1, DIF_ERR_SIZE for sides or products too large, DIF_ERR_NOMEM */
+DIF_MUST_USE dif_status dif_raw_allocate(const dif_source *source, long long nx, long long ny, dif_raw *raw,
+                                         dif_error *err);
+
+/* Checks a size only, as dif_raw_allocate does. */
+DIF_MUST_USE dif_status dif_raw_check_size(const dif_source *source, long long nx, long long ny, dif_error *err);
+
+/* Copies at most sizeof title - 1 bytes of UTF-8 text. */
+void dif_raw_set_title(dif_raw *raw, const char *text, size_t n);
+
+/* What a key of a file says, or NULL. */
+typedef const char *dif_key_lookup(void *self, const char *key);
+
+/* Takes over extents and height units from the Gwyddion keys Gwy::XReal, YReal, XYUnit, ZUnit, ZMin, ZMax, ZScale, Title.
+ * Status DIF_ERR_FORMAT for values that are no positive lengths */
+DIF_MUST_USE dif_status dif_raw_take_gwy_keys(const dif_source *source, dif_key_lookup *lookup, void *self,
+                                              dif_raw *raw, dif_error *err);
+
+/* Readers: one a format; *raw is empty on failure. */
+DIF_MUST_USE dif_status dif_gsf_read(const dif_source *source, dif_raw *raw, dif_error *err);
+DIF_MUST_USE dif_status dif_text_matrix_read(const dif_source *source, dif_raw *raw, dif_error *err);
+DIF_MUST_USE dif_status dif_picture_read(const dif_source *source, dif_raw *raw, dif_error *err);
+
+/* Writers: the file's bytes in a new block, freed with dif_release. */
+DIF_MUST_USE dif_status dif_gsf_encode(const dif_field *field, const dif_manifest *manifest, unsigned char **data,
+                                       size_t *n, dif_error *err);
+
+#endif
