@@ -13,6 +13,7 @@
 #include <stddef.h>
 
 #include "core/field.h"
+#include "core/vec.h"
 #include "core/window.h"
 
 #ifdef __cplusplus
@@ -74,6 +75,11 @@ typedef struct dif_sheet_info {
 } dif_sheet_info;
 
 dif_sheet_info dif_sheet_info_of(const dif_sheet *sheet);
+
+/* An order in which to read many points of a volume sheet so that neighbours share memory: order[n] is a permutation,
+ * sorted by tiles of frequency bins.  Status DIF_ERR_NOMEM.  Cost O(n + tiles) */
+DIF_MUST_USE dif_status dif_sheet_order(const dif_sheet *sheet, size_t n, const dif_vec3 *kappa, size_t *order,
+                                        dif_error *err);
 
 #ifdef __cplusplus
 }
