@@ -83,6 +83,12 @@ static void lay_out_waves(dif_sheet *sheet, const dif_band *band, double tol_axi
     z->n = (int)ceil(band->kz_max_rad_per_um / z->step - half + hair) + z->kernel.width - z->first;
 }
 
+/* Rounding of the terms that cancel: 1 for waves; for powers, terms as large as x^n/n! cancel down to at most 1. */
+static double cancellation(const dif_sheet *sheet, const dif_band *band)
+{
+    return sheet->basis == DIF_BASIS_WAVES ? 1.0 : dif_series_taylor_peak(band->kz_max_rad_per_um * sheet->half_um);
+}
+
 static void lay_out_powers(dif_sheet *sheet, const dif_band *band, const dif_sheet_opts *opts, double tol_axis)
 {
     const double x_max = band->kz_max_rad_per_um * sheet->half_um;
@@ -90,8 +96,12 @@ static void lay_out_powers(dif_sheet *sheet, const dif_band *band, const dif_she
         opts->n_terms == DIF_TERMS_FROM_TOL ? dif_series_taylor_order(x_max, tol_axis) : opts->n_terms - 1;
     sheet->z.n = order + 1;
     sheet->z.kernel.bound = dif_series_taylor_bound(x_max, order);
-    /* Terms as large as x^n/n! cancel down to at most 1: their rounding is what is left. */
-    sheet->info.bound = dif_series_taylor_peak(x_max) * dif_sheet_rounding(sheet->info.single);
+    sheet->info.bound = cancellation(sheet, band) * dif_sheet_rounding(sheet->info.single);
+}
+
+static bool float_suffices(const dif_sheet *sheet, const dif_band *band, double tol)
+{
+    return tol >= TOL_SINGLE && cancellation(sheet, band) * dif_sheet_rounding(true) < 0.5 * tol;
 }
 
 dif_status dif_sheet_begin(const dif_field *field, const dif_window *window, const dif_band *band, double tol,
@@ -110,8 +120,8 @@ dif_status dif_sheet_begin(const dif_field *field, const dif_window *window, con
     if (!sheet)
         return dif_fail(err, DIF_ERR_NOMEM, "no memory for a sheet");
     sheet->basis = o->basis;
-    sheet->info.single = o->force_single || (o->single && tol >= TOL_SINGLE);
     height_range(field, &sheet->mid_um, &sheet->half_um);
+    sheet->info.single = o->force_single || (o->single && float_suffices(sheet, band, tol));
     /* Half of the tolerance goes to the planes, whose taps are one vector; the lateral kernels share the rest. */
     const double tol_kernels = fmax(tol - dif_sheet_rounding(sheet->info.single), 0.5 * tol);
     sheet->s.kernel = reach(0.5 * tol_kernels / n_lateral, sigma_lateral);
