@@ -67,6 +67,9 @@ json_t *dif_json_stats(const dif_measure_stats *stats);
 /* Prints a value on stdout and drops it; DIF_EXIT_DONE, or DIF_EXIT_RESOURCE with a line if memory is short. */
 int dif_json_print(const dif_cli *cli, json_t *value);
 
+/* Fails now, before the work, if an output could not be written: path NULL or "-" is stdout. */
+DIF_MUST_USE dif_status dif_cli_check_out(const char *path, dif_error *err);
+
 /* One line on stderr unless --quiet. */
 void dif_cli_say(const dif_cli *cli, const char *format, ...) DIF_PRINTF(2, 3);
 void dif_cli_say_stats(const dif_cli *cli, const dif_measure_stats *stats);

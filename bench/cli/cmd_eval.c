@@ -85,7 +85,9 @@ static dif_status read_queries(const eval_args *args, eval_run *run, dif_error *
 static dif_status measure(const dif_cli *cli, const eval_args *args, eval_run *run, dif_error *err)
 {
     dif_progress progress = dif_progress_begin(cli->verb, cli->quiet);
-    dif_status status = dif_cli_surface_read(cli, cli->operand[0], &args->surface, &run->file, err);
+    dif_status status = dif_cli_check_out(args->out, err);
+    if (!status)
+        status = dif_cli_surface_read(cli, cli->operand[0], &args->surface, &run->file, err);
     if (!status)
         status = dif_cli_manifest(cli, cli->operand[0], &run->manifest, err);
     if (!status)

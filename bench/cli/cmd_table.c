@@ -75,6 +75,8 @@ static dif_status measure(const dif_cli *cli, const table_args *args, table_run 
     dif_status status =
         dif_scan_plan(fixed_is_wo, fixed_deg, args->azimuth_deg, &args->angle_deg, &args->lambda_nm, &run->plan, err);
     if (!status)
+        status = dif_cli_check_out(args->out, err);
+    if (!status)
         status = dif_cli_surface_read(cli, cli->operand[0], &args->surface, &run->file, err);
     if (status)
         return status;

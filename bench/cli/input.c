@@ -1,54 +1,94 @@
 /* Operands: surfaces, and files that may be a table or a surface. */
+#include <stdio.h>
 #include <string.h>
 
 #include "bench/cli/cli.h"
 #include "core/alloc.h"
 #include "core/io/file.h"
 #include "core/io/table_io.h"
+#include "fixtures/surfaces.h"
 
 static const size_t INPUT_BYTES_MAX = (size_t)1 << 33;
 static const size_t SNIFF_BYTES = 65536;
 
-/* A surface that was read: refuses what has no extent, passes the warning on. */
-static dif_status accept(const dif_cli *cli, const char *path, dif_field_file *file, dif_error *err)
+static const unsigned char *find(const unsigned char *data, size_t n, const char *word)
 {
-    const int nx = file->field.nx, ny = file->field.ny;
+    const size_t n_word = strlen(word);
+    for (size_t i = 0; i + n_word <= n; i++)
+        if (data[i] == (unsigned char)word[0] && memcmp(data + i, word, n_word) == 0)
+            return data + i;
+    return NULL;
+}
+
+static bool looks_like_table(const unsigned char *data, size_t n)
+{
+    const size_t n_sniff = n < SNIFF_BYTES ? n : SNIFF_BYTES;
+    return find(data, n_sniff, "lambda_nm") || find(data, n_sniff, "wavelength_nm");
+}
+
+/* The kind that `fixture` wrote into the provenance of a GSF or EXR file. */
+static bool fixture_kind(const unsigned char *data, size_t n, dif_surface_kind *kind)
+{
+    static const char key[] = "diffbench.fixture", in_gsf[] = " = ", in_exr[] = "\0string"; /* then NUL and a length */
+    const unsigned char *end = data + (n < SNIFF_BYTES ? n : SNIFF_BYTES);
+    const unsigned char *at = data;
+    while ((at = find(at, (size_t)(end - at), key))) {
+        char name[32] = "";
+        at += sizeof key - 1;
+        const size_t n_left = (size_t)(end - at);
+        size_t n_skip = 0, n_name = 0;
+        if (n_left > sizeof in_gsf && memcmp(at, in_gsf, sizeof in_gsf - 1) == 0)
+            n_skip = sizeof in_gsf - 1;
+        else if (n_left > sizeof in_exr + 4 && memcmp(at, in_exr, sizeof in_exr) == 0)
+            n_skip = sizeof in_exr + 4;
+        while (n_skip && n_name < sizeof name - 1 && n_skip + n_name < n_left && at[n_skip + n_name] >= 'a' &&
+               at[n_skip + n_name] <= 'z') {
+            name[n_name] = (char)at[n_skip + n_name];
+            n_name++;
+        }
+        if (dif_surface_kind_from_name(name, kind))
+            return true;
+    }
+    return false;
+}
+
+/* Parses a surface, refuses what has no extent, passes the warning on. */
+static dif_status parse_surface(const dif_cli *cli, const char *path, const unsigned char *data, size_t n,
+                                const dif_cli_surface *surface, dif_field_file *out, dif_error *err)
+{
+    const dif_field_request request = dif_cli_surface_request(surface);
+    dif_surface_kind kind;
+    const dif_status status = dif_field_parse(data, n, path, &request, out, err);
+    if (status)
+        return status;
+    const int nx = out->field.nx, ny = out->field.ny;
     if (nx < 2 || ny < 2) {
-        dif_field_file_free(file);
+        dif_field_file_free(out);
         return dif_fail(err, DIF_ERR_SIZE, "%s: %d x %d samples, expected at least 2 x 2", path, nx, ny);
     }
-    if (file->warning[0])
-        dif_cli_say(cli, "%s", file->warning);
+    if (fixture_kind(data, n, &kind))
+        snprintf(out->title, sizeof out->title, "diffbench fixture %s", dif_surface_kind_name(kind));
+    if (out->warning[0])
+        dif_cli_say(cli, "%s", out->warning);
     return DIF_OK;
 }
 
 dif_status dif_cli_surface_read(const dif_cli *cli, const char *path, const dif_cli_surface *surface,
                                 dif_field_file *out, dif_error *err)
 {
-    const dif_field_request request = dif_cli_surface_request(surface);
-    const dif_status status = dif_field_read(path, &request, out, err);
-    return status ? status : accept(cli, path, out, err);
-}
-
-static bool holds(const unsigned char *data, size_t n, const char *word)
-{
-    const size_t n_word = strlen(word);
-    for (size_t i = 0; i + n_word <= n; i++)
-        if (data[i] == (unsigned char)word[0] && memcmp(data + i, word, n_word) == 0)
-            return true;
-    return false;
-}
-
-static bool looks_like_table(const unsigned char *data, size_t n)
-{
-    const size_t n_sniff = n < SNIFF_BYTES ? n : SNIFF_BYTES;
-    return holds(data, n_sniff, "lambda_nm") || holds(data, n_sniff, "wavelength_nm");
+    unsigned char *data = NULL;
+    size_t n = 0;
+    *out = (dif_field_file){0};
+    dif_status status = dif_file_read(path, INPUT_BYTES_MAX, &data, &n, err);
+    if (!status)
+        status = parse_surface(cli, path, data, n, surface, out, err);
+    dif_release(data);
+    return status;
 }
 
 dif_status dif_cli_input_read(const dif_cli *cli, const char *path, const dif_cli_surface *surface, dif_cli_input *out,
                               dif_error *err)
 {
-    const dif_field_request request = dif_cli_surface_request(surface);
     unsigned char *data = NULL;
     size_t n = 0;
     *out = (dif_cli_input){0};
@@ -59,10 +99,8 @@ dif_status dif_cli_input_read(const dif_cli *cli, const char *path, const dif_cl
     if (out->is_table)
         status = dif_table_parse(data, n, path, &out->table, &out->manifest, err);
     else
-        status = dif_field_parse(data, n, path, &request, &out->file, err);
+        status = parse_surface(cli, path, data, n, surface, &out->file, err);
     dif_release(data);
-    if (!status && !out->is_table)
-        status = accept(cli, path, &out->file, err);
     return status;
 }
 

@@ -1,0 +1,88 @@
+/* Helper of the command line tests.
+ *   cli_tool json PATH <FILE                 prints the value at a dotted path; "PATH#" prints a list's length
+ *   cli_tool png NX NY OUT                   writes an 8 bit picture of a sine along x */
+#include <jansson.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/alloc.h"
+#include "core/io/file.h"
+#include "core/io/image_cv.h"
+
+static const json_t *step_into(const json_t *at, const char *key, size_t n)
+{
+    char name[100];
+    snprintf(name, sizeof name, "%.*s", (int)n, key);
+    if (json_is_array(at))
+        return json_array_get(at, (size_t)strtoul(name, NULL, 10));
+    return json_object_get(at, name);
+}
+
+static int print_value(const json_t *value, bool want_length)
+{
+    if (!value)
+        return 1;
+    if (want_length)
+        return printf("%zu\n", json_array_size(value)) < 0;
+    if (json_is_string(value))
+        return printf("%s\n", json_string_value(value)) < 0;
+    if (json_dumpf(value, stdout, JSON_ENCODE_ANY | JSON_REAL_PRECISION(15)) != 0)
+        return 1;
+    return printf("\n") < 0;
+}
+
+static int json_main(const char *path)
+{
+    json_error_t error;
+    json_t *root = json_loadf(stdin, 0, &error);
+    if (!root) {
+        fprintf(stderr, "no JSON: %s at line %d\n", error.text, error.line);
+        return 1;
+    }
+    const size_t n_path = strlen(path);
+    const bool want_length = n_path > 0 && path[n_path - 1] == '#';
+    const char *stop = path + n_path - (want_length ? 1 : 0);
+    const json_t *at = root;
+    while (at && path < stop) {
+        size_t n = strcspn(path, ".");
+        n = path + n > stop ? (size_t)(stop - path) : n;
+        at = step_into(at, path, n);
+        path += n + (path[n] == '.');
+    }
+    const int code = print_value(at, want_length);
+    json_decref(root);
+    return code;
+}
+
+static int png_main(int nx, int ny, const char *path)
+{
+    dif_error err = {0};
+    unsigned char *png = NULL;
+    size_t n_png = 0;
+    uint8_t *rgb = dif_alloc((size_t)nx * (size_t)ny * 3, 1);
+    if (!rgb)
+        return 1;
+    for (size_t i = 0; i < (size_t)nx * (size_t)ny * 3; i++)
+        rgb[i] = (uint8_t)(127.5 + 127.5 * sin(0.5 * (double)(i / 3 % (size_t)nx)));
+    dif_status status = dif_image_encode_png(rgb, nx, ny, &png, &n_png, &err);
+    if (!status)
+        status = dif_file_write(path, png, n_png, &err);
+    if (status)
+        fprintf(stderr, "%s\n", err.text);
+    dif_release(png);
+    dif_release(rgb);
+    return status != DIF_OK;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 3 && strcmp(argv[1], "json") == 0)
+        return json_main(argv[2]);
+    if (argc == 5 && strcmp(argv[1], "png") == 0)
+        return png_main(atoi(argv[2]), atoi(argv[3]), argv[4]);
+    fprintf(stderr, "usage: cli_tool json PATH | png NX NY OUT\n");
+    return 2;
+}

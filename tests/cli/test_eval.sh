@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# diffbench eval
+. "$(dirname "$0")/harness.sh" "$@"
+
+run 0 fixture sine --period-nm 1600 --height-nm 120 --size-um 40 --pixels 256 --out s.exr
+cat >q.csv <<'END'
+# directions of an imaginary goniometer
+lambda_nm,theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg
+550,20,0,-20,0
+550,20,0,20,180
+450,30,40,10,250
+700,60,-30,5,0
+END
+run 0 eval s.exr --queries q.csv --tol 1e-9
+out_has '^theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm,power,rho,brdf$'
+out_has "^# queries_sha256: $(sha256sum q.csv | cut -c1-64)\$"
+rows out >rows
+ok "four rows in order" [ "$(cut -d, -f5 rows | tr '\n' ' ')" = "550 550 450 700 " ]
+ok "-theta is azimuth + 180" [ "$(sed -n 1p rows | cut -d, -f6 | cut -c1-9)" = "$(sed -n 2p rows | cut -d, -f6 | cut -c1-9)" ]
+mirror=$(sed -n 1p rows | cut -d, -f6)
+
+# J_0(k w H/2)^2 with w = 2 cos 20, H = 120 nm
+near "mirror order of the sinusoid" "$mirror" "$(awk 'BEGIN {
+    x = 2 * 3.14159265358979 / 550 * 2 * cos(20 / 57.29577951308232) * 60
+    n = 2000; for (i = 0; i < n; i++) j += cos(x * sin(3.14159265358979 * (i + 0.5) / n)) / n; print j * j }')" 1e-4
+
+# against the direct sum, amplitudes
+run 0 eval s.exr --queries q.csv --tol 1e-9 --amplitude
+rows out | cut -d, -f9,10 >sheet
+out_has '^theta_i_deg.*brdf,amplitude_re,amplitude_im$'
+out_has '^# average: none$'
+run 0 eval s.exr --queries q.csv --method direct --amplitude
+rows out | cut -d, -f9,10 >direct
+ok "amplitudes to 1e-9" bash -c 'paste -d, sheet direct | awk -F, "
+    { d = (\$1 - \$3)^2 + (\$2 - \$4)^2; if (d > 1e-18) exit 1 }"'
+
+# stdin, files, JSON
+"$program" eval s.exr --queries - --quiet <q.csv >piped 2>err
+ok "stdin as a file" cmp -s <(rows piped) <("$program" eval s.exr --queries q.csv --quiet | grep -v '^#' | tail -n +2)
+cat q.csv | "$program" eval s.exr --queries - --quiet >piped2 2>err
+ok "stdin as a pipe" cmp -s <(rows piped) <(rows piped2)
+run 0 eval s.exr --queries q.csv --out e.csv --quiet
+ok "a file" cmp -s <(rows e.csv) <(rows piped)
+run 0 eval s.exr --queries q.csv --json --amplitude --tol 1e-9
+near "four samples" "$(json 'samples#')" 4 0
+near "power" "$(json samples.0.power)" "$mirror" 1e-9
+near "amplitude" "$(json samples.0.amplitude_re)" "$(head -1 sheet | cut -d, -f1)" 1e-12
+
+refuses 2 'eval: no queries, expected --queries' eval s.exr
+refuses 2 'eval: --amplitude with --average welch' eval s.exr --queries q.csv --amplitude --average welch
+refuses 2 'eval: --quantity: unknown flag' eval s.exr --queries q.csv --quantity rho
+refuses 3 'eval: none.csv: ' eval s.exr --queries none.csv
+refuses 3 'eval: none.exr: ' eval none.exr --queries q.csv
+printf 'theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm\n' >empty.csv
+refuses 3 'eval: empty.csv: ' eval s.exr --queries empty.csv
+printf 'theta_i_deg,phi_i_deg,theta_r_deg,lambda_nm\n1,2,3,500\n' >short.csv
+refuses 3 'eval: short.csv: .*phi_r_deg' eval s.exr --queries short.csv
+for bad in 90,0,0,0,500 0,0,-95,0,500 0,0,0,0,0 0,0,0,0,-500 0,0,0,0,nan 0,0,0,0 0,0,0,0,500x inf,0,0,0,500; do
+    printf 'theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm\n1,0,2,0,500\n%s\n' "$bad" >bad.csv
+    refuses 3 'eval: bad.csv: .*(line|row) 3' eval s.exr --queries bad.csv
+done
+finish
