@@ -1,4 +1,6 @@
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "core/alloc.h"
 #include "core/io/image_cv.h"
@@ -15,31 +17,60 @@ static double nice_below(double x)
     return x >= 5.0 * decade ? 5.0 * decade : x >= 2.0 * decade ? 2.0 * decade : decade;
 }
 
-/* The field reduced to mx x my pixels of nm as a data block, bottom row first. */
-static dif_status write_heights(const dif_field *field, int mx, int my, FILE *script, dif_error *err)
+/* The field reduced to mx x my pixels of nm, bottom row first; the caller releases. */
+static dif_status reduce_heights(const dif_field *field, int mx, int my, float **out, dif_error *err)
 {
-    const size_t n = dif_field_n(field), m = (size_t)mx * (size_t)my;
-    float *full = dif_alloc(n, sizeof(float)), *small = dif_alloc(m, sizeof(float));
+    const size_t n = dif_field_n(field), row = (size_t)mx, m = row * (size_t)my;
+    float *full = dif_alloc(n, sizeof(float)), *small = dif_alloc(m, sizeof(float)), *up = dif_alloc(m, sizeof(float));
     dif_status status = DIF_OK;
-    if (!full || !small) {
+    *out = NULL;
+    if (!full || !small || !up) {
         status = dif_fail(err, DIF_ERR_NOMEM, "picture of %d x %d heights", field->nx, field->ny);
     } else {
         for (size_t i = 0; i < n; i++)
             full[i] = (float)dif_nm_from_um(field->z_um[i]);
         status = dif_image_resize(full, field->nx, field->ny, small, mx, my, err);
     }
-    if (status == DIF_OK) {
-        fputs("$height << EOD\n", script);
-        for (int iy = my - 1; iy >= 0; iy--) {
-            for (int ix = 0; ix < mx; ix++)
-                fprintf(script, ix ? " %.5g" : "%.5g", (double)small[(size_t)iy * (size_t)mx + (size_t)ix]);
-            fputc('\n', script);
-        }
-        fputs("EOD\n", script);
-    }
+    for (size_t iy = 0; status == DIF_OK && iy < (size_t)my; iy++)
+        memcpy(up + ((size_t)my - 1 - iy) * row, small + iy * row, row * sizeof(float));
     dif_release(full);
     dif_release(small);
+    if (status == DIF_OK)
+        *out = up;
+    else
+        dif_release(up);
     return status;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* Ends of the colour scale: all heights, or the middle 99 % of them if a few specks would take most of the colours. */
+static dif_status height_scale(const float *pixels, size_t n, dif_figure_notes *notes, dif_error *err)
+{
+    float *sorted = dif_alloc(n, sizeof(float));
+    if (!sorted)
+        return dif_fail(err, DIF_ERR_NOMEM, "picture of %zu heights", n);
+    memcpy(sorted, pixels, n * sizeof(float));
+    qsort(sorted, n, sizeof(float), by_value);
+    double low = (double)sorted[0], high = (double)sorted[n - 1];
+    const double low_most = (double)sorted[(size_t)(0.005 * (double)n)];
+    const double high_most = (double)sorted[(size_t)(0.995 * (double)(n - 1))];
+    if (high_most - low_most < 0.6 * (high - low) && high_most > low_most) {
+        low = low_most;
+        high = high_most;
+    }
+    size_t outside = 0;
+    for (size_t i = 0; i < n; i++)
+        outside += (double)sorted[i] < low || (double)sorted[i] > high;
+    dif_release(sorted);
+    notes->height_low_nm = low;
+    notes->height_high_nm = high > low ? high : low + 1.0;
+    notes->height_outside = (double)outside / (double)n;
+    return DIF_OK;
 }
 
 static void write_scale_bar(FILE *script, double width_um, double height_um)
@@ -58,7 +89,7 @@ static void write_light(FILE *script, const dif_plan *plan, double width_um, dou
 {
     const double side = fmin(width_um, height_um), cx = 0.5 * width_um - 0.12 * side,
                  cy = 0.5 * height_um - 0.12 * side;
-    const double turn = !plan->fixed_is_wo && plan->fixed_rad < 0 ? -1.0 : 1.0;
+    const double turn = !plan->fixed_is_wo && plan->fixed_rad < 0.0 ? -1.0 : 1.0;
     const double dx = 0.075 * side * turn * cos(plan->azimuth_rad), dy = 0.075 * side * turn * sin(plan->azimuth_rad);
     fprintf(script,
             "set object 2 circle at %.9g,%.9g size %.9g front fc rgb '#55000000' fs solid noborder\n"
@@ -66,7 +97,8 @@ static void write_light(FILE *script, const dif_plan *plan, double width_um, dou
             cx, cy, 0.1 * side, cx + dx, cy + dy, cx - dx, cy - dy, 0.05 * side);
 }
 
-dif_status dif_figure_height(const dif_result *result, const char *prefix, FILE *html, dif_error *err)
+dif_status dif_figure_height(const dif_result *result, const char *prefix, FILE *html, dif_figure_notes *notes,
+                             dif_error *err)
 {
     const dif_field *field = &result->field;
     const double width_um = field->nx * field->pitch_x_um, height_um = field->ny * field->pitch_y_um;
@@ -75,27 +107,32 @@ dif_status dif_figure_height(const dif_result *result, const char *prefix, FILE 
         mx = PICTURE_SIDE_MAX;
     if (my > PICTURE_SIDE_MAX)
         my = PICTURE_SIDE_MAX;
+    float *pixels = NULL;
     FILE *script;
-    dif_status status = dif_plot_open(520, 430, &script, err);
-    if (status != DIF_OK)
-        return status;
-    status = write_heights(field, mx, my, script, err);
+    dif_status status = reduce_heights(field, mx, my, &pixels, err);
+    if (status == DIF_OK)
+        status = height_scale(pixels, (size_t)mx * (size_t)my, notes, err);
+    if (status == DIF_OK)
+        status = dif_plot_open(520, 430, &script, err);
     if (status != DIF_OK) {
-        fclose(script);
+        dif_release(pixels);
         return status;
     }
     const double dx = width_um / mx, dy = height_um / my;
     fprintf(script,
             "set xlabel 'x / µm'\nset ylabel 'y / µm'\nset cblabel 'height / nm'\n"
-            "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\nset tics out nomirror\n",
-            -0.5 * width_um, 0.5 * width_um, -0.5 * height_um, 0.5 * height_um);
+            "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\nset tics out nomirror\nset cbrange [%.9g:%.9g]\n",
+            -0.5 * width_um, 0.5 * width_um, -0.5 * height_um, 0.5 * height_um, notes->height_low_nm,
+            notes->height_high_nm);
     /* equal scales, unless the patch is so narrow that nothing would be seen */
     if (width_um < 6.0 * height_um && height_um < 6.0 * width_um)
         fputs("set size ratio -1\n", script);
     write_scale_bar(script, width_um, height_um);
     write_light(script, &result->table.plan, width_um, height_um);
-    fprintf(script, "plot $height matrix using (%.9g+%.9g*$1):(%.9g+%.9g*$2):3 with image notitle\n",
-            0.5 * dx - 0.5 * width_um, dx, 0.5 * dy - 0.5 * height_um, dy);
+    dif_plot_image(script, 0.5 * dx - 0.5 * width_um, dx, 0.5 * dy - 0.5 * height_um, dy, mx, my);
+    fputc('\n', script);
+    fwrite(pixels, sizeof(float), (size_t)mx * (size_t)my, script);
+    dif_release(pixels);
     return dif_plot_close(script, prefix, "Heights of the surface seen from above", html, err);
 }
 
@@ -146,7 +183,7 @@ dif_status dif_figure_profile(const dif_result *result, const char *prefix, FILE
             "EOD\n"
             "set xlabel 'distance along the plane of incidence / µm'\nset ylabel 'height / nm'\n"
             "set xrange [%.9g:%.9g]\nset offsets 0, 0, graph 0.08, graph 0.08\n"
-            "set grid lw 0.5 lc rgb '#dddddd' lt 1\n"
+            "set grid lt 1 lw 0.5 lc rgb '#dddddd'\n"
             "plot $profile using 1:2 with lines lw 1.6 lc rgb '#31688e' notitle\n",
             -0.5 * length_um, 0.5 * length_um);
     return dif_plot_close(script, prefix, "Height profile through the centre", html, err);

@@ -33,19 +33,18 @@ static double block_max(const dif_table *table, int x0, int x1, int y0, int y1, 
     return best < low ? low : best;
 }
 
+/* The pixels of the heat map, first row = shortest wavelength. */
 static void write_cells(const dif_table *table, const dif_figure_notes *notes, FILE *script)
 {
     const int nx = table->plan.n_angle, ny = table->plan.n_lambda;
-    fputs("$table << EOD\n", script);
     for (int y = 0; y < ny; y += notes->n_cell_y) {
         for (int x = 0; x < nx; x += notes->n_cell_x) {
             const int x1 = x + notes->n_cell_x < nx ? x + notes->n_cell_x : nx;
             const int y1 = y + notes->n_cell_y < ny ? y + notes->n_cell_y : ny;
-            fprintf(script, x ? " %.4g" : "%.4g", block_max(table, x, x1, y, y1, notes->low));
+            const float value = (float)block_max(table, x, x1, y, y1, notes->low);
+            fwrite(&value, sizeof value, 1, script);
         }
-        fputc('\n', script);
     }
-    fputs("EOD\n", script);
 }
 
 /* One curve sin(running) = f lambda - sin(fixed) within the axes, and its label above the plot. */
@@ -112,6 +111,9 @@ static int write_curves(const dif_result *result, FILE *script)
         if (common)
             fprintf(script, "set label '%d' at first %.6g, graph 1.03 center font ',11' tc rgb '#444444'\n", order,
                     at_deg);
+        else
+            fprintf(script, "set label '%c' at first %.6g, graph %g center font ',11' tc rgb '#d55e00'\n", 'A' + i % 26,
+                    at_deg, i % 2 ? 1.065 : 1.03);
         last_deg = at_deg;
     }
     return n;
@@ -149,7 +151,6 @@ dif_status dif_figure_table(const dif_result *result, const char *prefix, FILE *
     notes->n_cell_y = (plan->n_lambda + ROW_MAX - 1) / ROW_MAX;
     notes->high = largest(table);
     notes->low = notes->high * decades;
-    write_cells(table, notes, script);
     notes->n_curve = write_curves(result, script);
     write_maxima(&result->maxima, script, notes);
     const double a0 = dif_deg_from_rad(plan->angle_rad[0]), l0 = dif_nm_from_um(plan->lambda_um[0]);
@@ -161,17 +162,22 @@ dif_status dif_figure_table(const dif_result *result, const char *prefix, FILE *
                        : table->quantity == DIF_QUANTITY_RHO ? "relative BRDF ρ"
                                                              : "normalised power p";
     fprintf(script,
-            "set lmargin at screen 0.07\nset rmargin at screen 0.89\nset bmargin at screen 0.13\n"
+            "set lmargin at screen 0.07\nset rmargin at screen 0.87\nset bmargin at screen 0.13\n"
             "set tmargin at screen 0.93\n"
             "set xlabel '%s θ_%s / °'\nset ylabel 'wavelength λ / nm'\nset cblabel '%s'\n"
             "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\nset tics out nomirror\n"
             "set logscale cb\nset cbrange [%.6g:%.6g]\nset format cb '10^{%%L}'\n"
-            "plot $table matrix using (%.9g+%.9g*$1):(%.9g+%.9g*$2):3 with image notitle, \\\n"
-            "  $curve using 1:2 with lines lw 0.7 lc rgb '#55ffffff' notitle, \\\n"
-            "  $maxima using 1:2 with points pt 7 ps 0.22 lc rgb '#d55e00' notitle\n",
+            "set label '%s' at screen 0.062, graph 1.03 right font ',11' tc rgb '#444444'\n",
             plan->fixed_is_wo ? "angle of incidence" : "angle of reflection", plan->fixed_is_wo ? "i" : "r", unit,
             a0 - 0.5 * da, a1 + 0.5 * da, l0 - 0.5 * dl, l1 + 0.5 * dl, notes->low, notes->high,
-            a0 + 0.5 * da * (notes->n_cell_x - 1), da * notes->n_cell_x, l0 + 0.5 * dl * (notes->n_cell_y - 1),
-            dl * notes->n_cell_y);
+            dif_result_true(result->doc, "fit_table.common_period") ? "m" : "");
+    dif_plot_image(script, a0 + 0.5 * da * (notes->n_cell_x - 1), da * notes->n_cell_x,
+                   l0 + 0.5 * dl * (notes->n_cell_y - 1), dl * notes->n_cell_y,
+                   (plan->n_angle + notes->n_cell_x - 1) / notes->n_cell_x,
+                   (plan->n_lambda + notes->n_cell_y - 1) / notes->n_cell_y);
+    fputs(", $curve using 1:2 with lines lw 0.7 lc rgb '#55ffffff' notitle"
+          ", $maxima using 1:2 with points pt 7 ps 0.22 lc rgb '#d55e00' notitle\n",
+          script);
+    write_cells(table, notes, script);
     return dif_plot_close(script, prefix, "Angle-wavelength response table as a heat map", html, err);
 }

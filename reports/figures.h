@@ -9,20 +9,25 @@
 
 /* What a caption must know of a figure. */
 typedef struct dif_figure_notes {
-    int n_cell_x, n_cell_y;   /* table cells that share one pixel of the heat map                  */
-    double low, high;         /* ends of the heat map's colour scale                               */
-    int n_maximum, n_skipped; /* maxima drawn, and those at an edge or too many to draw            */
-    int n_curve;              /* grating-equation curves drawn                                     */
-    double profile_um;        /* length of the height profile                                      */
+    int n_cell_x, n_cell_y;               /* table cells that share one pixel of the heat map                  */
+    double low, high;                     /* ends of the heat map's colour scale                               */
+    int n_maximum, n_skipped;             /* maxima drawn, and those at an edge or too many to draw            */
+    int n_curve;                          /* grating-equation curves drawn                                     */
+    int n_residual, n_far;                /* residuals drawn, and those beyond the plot                        */
+    double height_low_nm, height_high_nm; /* ends of the height picture's colour scale             */
+    double height_outside;                /* share of its pixels beyond them                                  */
+    double profile_um;                    /* length of the height profile                                      */
 } dif_figure_notes;
 
 /* Each draws to html with ids that begin with `prefix`. Status as dif_plot_close. */
-DIF_MUST_USE dif_status dif_figure_height(const dif_result *result, const char *prefix, FILE *html, dif_error *err);
+DIF_MUST_USE dif_status dif_figure_height(const dif_result *result, const char *prefix, FILE *html,
+                                          dif_figure_notes *notes, dif_error *err);
 DIF_MUST_USE dif_status dif_figure_profile(const dif_result *result, const char *prefix, FILE *html,
                                            dif_figure_notes *notes, dif_error *err);
 DIF_MUST_USE dif_status dif_figure_table(const dif_result *result, const char *prefix, FILE *html,
                                          dif_figure_notes *notes, dif_error *err);
-DIF_MUST_USE dif_status dif_figure_residuals(const dif_result *result, const char *prefix, FILE *html, dif_error *err);
+DIF_MUST_USE dif_status dif_figure_residuals(const dif_result *result, const char *prefix, FILE *html,
+                                             dif_figure_notes *notes, dif_error *err);
 DIF_MUST_USE dif_status dif_figure_lines(const dif_result *result, const char *prefix, FILE *html, dif_error *err);
 
 #endif

@@ -33,6 +33,12 @@ void dif_html_text(FILE *out, const char *text)
     }
 }
 
+/* Between a number and its unit: nothing before a degree sign. */
+static const char *gap(const char *unit)
+{
+    return !*unit || strncmp(unit, "°", strlen("°")) == 0 ? "" : " ";
+}
+
 /* Copies printf's number with U+2212 for '-' and superscripts for an exponent, then the unit. */
 static void typeset(const char *ascii, const char *unit, char out[DIF_HTML_NUMBER_SIZE])
 {
@@ -58,7 +64,7 @@ static void typeset(const char *ascii, const char *unit, char out[DIF_HTML_NUMBE
         n += (size_t)snprintf(out + n, DIF_HTML_NUMBER_SIZE - n, "%s", piece);
     }
     if (*unit && n < DIF_HTML_NUMBER_SIZE)
-        snprintf(out + n, DIF_HTML_NUMBER_SIZE - n, " %s", unit);
+        snprintf(out + n, DIF_HTML_NUMBER_SIZE - n, "%s%s", gap(unit), unit);
 }
 
 void dif_html_number(double value, int n_digit, const char *unit, char out[DIF_HTML_NUMBER_SIZE])
@@ -83,6 +89,17 @@ void dif_html_number(double value, int n_digit, const char *unit, char out[DIF_H
     typeset(ascii, unit, out);
 }
 
+void dif_html_plain(double value, const char *unit, char out[DIF_HTML_NUMBER_SIZE])
+{
+    char ascii[64];
+    if (!isfinite(value)) {
+        snprintf(out, DIF_HTML_NUMBER_SIZE, "–");
+        return;
+    }
+    snprintf(ascii, sizeof ascii, "%.9g", value);
+    typeset(ascii, unit, out);
+}
+
 void dif_html_uncertain(double value, double uncertainty, const char *unit, char out[DIF_HTML_NUMBER_SIZE])
 {
     if (!isfinite(value) || !isfinite(uncertainty) || uncertainty <= 0.0) {
@@ -98,5 +115,5 @@ void dif_html_uncertain(double value, double uncertainty, const char *unit, char
     typeset(text, "", out);
     const size_t n = strlen(out);
     snprintf(right, sizeof right, "± %.*f", decimals, uncertainty);
-    snprintf(out + n, DIF_HTML_NUMBER_SIZE - n, " %s%s%s", right, *unit ? " " : "", unit);
+    snprintf(out + n, DIF_HTML_NUMBER_SIZE - n, " %s%s%s", right, gap(unit), unit);
 }

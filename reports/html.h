@@ -18,4 +18,7 @@ void dif_html_uncertain(double value, double uncertainty, const char *unit, char
 /* A number to n significant digits, as 0.00123, 1234 or 1.2 x 10^-9 (with superscript digits); a dash if not finite. */
 void dif_html_number(double value, int n_digit, const char *unit, char out[DIF_HTML_NUMBER_SIZE]);
 
+/* A number somebody chose, without trailing zeros: 75, 0.05, 2500. */
+void dif_html_plain(double value, const char *unit, char out[DIF_HTML_NUMBER_SIZE]);
+
 #endif

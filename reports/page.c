@@ -18,9 +18,10 @@ void dif_page_verdict(FILE *html, const json_t *verdict)
     const double value = dif_result_number(verdict, "value"), limit = dif_result_number(verdict, "limit");
     char number[DIF_HTML_NUMBER_SIZE];
     fprintf(html, "<div class=\"v %s\"><b>%s</b>", kind, word);
+    fputs(" ", html);
+    dif_html_text(html, dif_result_text(verdict, "label"));
     if (isfinite(value)) {
         dif_html_number(value, 2, dif_result_text(verdict, "unit"), number);
-        fputs(" ", html);
         dif_html_text(html, number);
     }
     if (isfinite(limit)) {
@@ -73,8 +74,9 @@ static void write_summary(FILE *html, const json_t *docs)
         dif_html_text(html, dif_result_text(doc, "title"));
         fputs("</a></td>", html);
         write_period(html, doc);
-        dif_html_number(dif_result_number(doc, "known.period_nm"), 6, "nm", number);
-        fprintf(html, "<td class=\"v\">%s</td>", number);
+        dif_html_plain(dif_result_number(doc, "known.period_nm"), "nm", number);
+        const bool guide = json_is_object(dif_result_at(doc, "known")) && !dif_result_true(doc, "known.exact");
+        fprintf(html, "<td class=\"v\">%s%s</td>", guide ? "about " : "", number);
         for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
             fputs("<td>", html);
             dif_page_verdict(html, verdict_named(doc, names[k]));

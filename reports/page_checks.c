@@ -5,10 +5,14 @@
 #include "reports/page.h"
 #include "reports/page_parts.h"
 
+/* To n digits; 0 = as it was chosen. */
 static void number(FILE *html, double value, int n_digit, const char *unit)
 {
     char text[DIF_HTML_NUMBER_SIZE];
-    dif_html_number(value, n_digit, unit, text);
+    if (n_digit > 0)
+        dif_html_number(value, n_digit, unit, text);
+    else
+        dif_html_plain(value, unit, text);
     fputs(text, html);
 }
 
@@ -27,14 +31,16 @@ void dif_part_accuracy(FILE *html, const json_t *doc)
     row(html, "Bound stated by the method", dif_result_number(doc, "measure.bound"), 2, "");
     fputs("<tr class=\"strong\"><th>Largest error found against the direct sum</th><td class=\"n\">", html);
     number(html, dif_result_number(check, "worst_amplitude"), 2, "");
-    fputs("</td></tr>\n</tbody><caption>Direct sum in double precision at ", html);
+    fputs("</td></tr>\n</tbody></table>\n<p>Direct sum in double precision at ", html);
     fprintf(html, "%.0f random cells. The worst lies at ", dif_result_number(check, "n_sample"));
-    number(html, dif_result_number(check, "worst_angle_deg"), 5, "°, ");
-    number(html, dif_result_number(check, "worst_lambda_nm"), 5, "nm: ");
+    number(html, dif_result_number(check, "worst_angle_deg"), 5, "°");
+    fputs(", ", html);
+    number(html, dif_result_number(check, "worst_lambda_nm"), 5, "nm");
+    fputs(": ", html);
     number(html, dif_result_number(check, "worst_value"), 6, "");
     fputs(" in the table, ", html);
     number(html, dif_result_number(check, "worst_direct"), 6, "");
-    fputs(" directly.</caption></table>\n<p>", html);
+    fputs(" directly. ", html);
     dif_html_text(html, dif_result_text(doc, "measure.method_text"));
     fputs("</p>\n<p>A cell whose normalised power p is below tol² = ", html);
     const double tol = dif_result_number(doc, "plan.tol");
@@ -62,9 +68,9 @@ void dif_part_energy(FILE *html, const json_t *doc)
     json_array_foreach(dif_result_at(energy, "rows"), i, item)
     {
         fputs("<tr><td>", html);
-        number(html, dif_result_number(item, "theta_i_deg"), 4, "°");
+        number(html, dif_result_number(item, "theta_i_deg"), 0, "°");
         fputs("</td><td>", html);
-        number(html, dif_result_number(item, "lambda_nm"), 5, "nm");
+        number(html, dif_result_number(item, "lambda_nm"), 0, "nm");
         fputs("</td><td class=\"n\">", html);
         number(html, dif_result_number(item, "albedo"), 5, "");
         fputs("</td><td class=\"n\">", html);
@@ -98,7 +104,7 @@ void dif_part_order_powers(FILE *html, const json_t *doc)
         static const struct {
             const char *key, *unit;
             int n_digit;
-        } columns[] = {{"order", "", 4},  {"angle_deg", "°", 5}, {"sampled", "", 6},
+        } columns[] = {{"order", "", 0},  {"angle_deg", "°", 5}, {"sampled", "", 6},
                        {"closed", "", 6}, {"difference", "", 2}, {"efficiency", "", 4}};
         fputs("<tr>", html);
         for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
@@ -109,10 +115,11 @@ void dif_part_order_powers(FILE *html, const json_t *doc)
         fputs("</tr>\n", html);
     }
     fputs("</tbody><caption>Powers of the orders at ", html);
-    number(html, dif_result_number(orders, "lambda_nm"), 5, "nm");
+    number(html, dif_result_number(orders, "lambda_nm"), 0, "nm");
     fputs(", flat window over the whole patch, against the closed scalar form of the profile. Largest difference ",
           html);
-    number(html, dif_result_number(orders, "worst"), 2, ". ");
+    number(html, dif_result_number(orders, "worst"), 2, "");
+    fputs(". ", html);
     dif_html_text(html, dif_result_text(orders, "text"));
     fputs("</caption></table>\n", html);
 }

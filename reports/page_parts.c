@@ -14,6 +14,13 @@ static void cell(FILE *html, double value, int n_digit, const char *unit)
     fprintf(html, "<td class=\"n\">%s</td>", text);
 }
 
+static void cell_whole(FILE *html, double value)
+{
+    char text[DIF_HTML_NUMBER_SIZE];
+    dif_html_plain(value, "", text);
+    fprintf(html, "<td class=\"n\">%s</td>", text);
+}
+
 static void cell_uncertain(FILE *html, double value, double uncertainty, const char *unit)
 {
     char text[DIF_HTML_NUMBER_SIZE];
@@ -42,19 +49,19 @@ static void range_row(FILE *html, const char *label, const json_t *doc, const ch
     char path[64], number[3][DIF_HTML_NUMBER_SIZE];
     for (int i = 0; i < 3; i++) {
         snprintf(path, sizeof path, "plan.%s_%s", name, ends[i]);
-        dif_html_number(dif_result_number(doc, path), 6, "", number[i]);
+        dif_html_plain(dif_result_number(doc, path), i ? unit : "", number[i]);
     }
     snprintf(path, sizeof path, "plan.n_%s", strncmp(name, "angle", 5) == 0 ? "angle" : "lambda");
-    fprintf(html, "<tr><th>%s</th><td>%s … %s %s in steps of %s %s (%.0f)</td></tr>\n", label, number[0], number[1],
-            unit, number[2], unit, dif_result_number(doc, path));
+    fprintf(html, "<tr><th>%s</th><td>%s … %s, every %s (%.0f)</td></tr>\n", label, number[0], number[1], number[2],
+            dif_result_number(doc, path));
 }
 
 static void write_surface_facts(FILE *html, const json_t *doc)
 {
     char x[DIF_HTML_NUMBER_SIZE], y[DIF_HTML_NUMBER_SIZE];
     fputs("<table class=\"wide\"><tbody>\n", html);
-    dif_html_number(dif_result_number(doc, "surface.size_x_um"), 5, "µm", x);
-    dif_html_number(dif_result_number(doc, "surface.size_y_um"), 5, "µm", y);
+    dif_html_plain(dif_result_number(doc, "surface.size_x_um"), "µm", x);
+    dif_html_plain(dif_result_number(doc, "surface.size_y_um"), "µm", y);
     fprintf(html, "<tr><th>Patch</th><td>%s × %s</td></tr>\n", x, y);
     number_row(html, "Height range", doc, "surface.range_nm", 5, "nm");
     number_row(html, "Height rms", doc, "surface.rms_nm", 4, "nm");
@@ -74,16 +81,16 @@ void dif_part_conditions(FILE *html, const json_t *doc)
     fputs("<div class=\"pair\">\n", html);
     write_surface_facts(html, doc);
     fputs("<table class=\"wide\"><tbody>\n", html);
-    dif_html_number(dif_result_number(doc, "plan.fixed_deg"), 5, "", a);
-    dif_html_number(dif_result_number(doc, "plan.azimuth_deg"), 5, "", b);
+    dif_html_plain(dif_result_number(doc, "plan.fixed_deg"), "", a);
+    dif_html_plain(dif_result_number(doc, "plan.azimuth_deg"), "", b);
     fprintf(html, "<tr><th>%s</th><td>θ<sub>%s</sub> = %s°, plane at azimuth %s°</td></tr>\n",
             fixed_is_i ? "Incidence" : "Detector", fixed_is_i ? "i" : "r", a, b);
     range_row(html, fixed_is_i ? "Reflection" : "Incidence", doc, "angle_deg", "°");
     range_row(html, "Wavelength", doc, "lambda_nm", "nm");
     text_row(html, "Quantity", dif_result_text(doc, "plan.quantity_text"));
     text_row(html, "Coherence window", dif_result_text(doc, "plan.window_text"));
-    dif_html_number(dif_result_number(doc, "plan.index_n"), 4, "", a);
-    dif_html_number(dif_result_number(doc, "plan.index_kappa"), 4, "", b);
+    dif_html_plain(dif_result_number(doc, "plan.index_n"), "", a);
+    dif_html_plain(dif_result_number(doc, "plan.index_kappa"), "", b);
     fprintf(html, "<tr><th>Refractive index</th><td>%s + %s i</td></tr>\n", a, b);
     fputs("</tbody></table>\n</div>\n", html);
 }
@@ -141,15 +148,15 @@ void dif_part_periods(FILE *html, const json_t *doc)
     char text[DIF_HTML_NUMBER_SIZE];
     const double known = dif_result_number(doc, "known.period_nm");
     if (isfinite(known)) {
-        dif_html_number(known, 7, "nm", text);
+        dif_html_plain(known, "nm", text);
         fprintf(html, "<p>The surface was made with a period of <b>%s</b>%s.</p>\n", text,
                 dif_result_true(doc, "known.exact") ? ""
                                                     : " on average; its rows are deliberately irregular, so this is a "
                                                       "guide and not a reference");
     }
     fputs("<table class=\"wide\"><thead><tr><th>Method</th><th class=\"n\">Period (stated)</th>"
-          "<th class=\"n\">u, covariance</th><th class=\"n\">u, scatter</th><th class=\"n\">off the made one</th>"
-          "<th class=\"n\">in u</th></tr></thead><tbody>\n",
+          "<th class=\"n\">u, covariance</th><th class=\"n\">u, scatter</th><th class=\"n\">deviation</th>"
+          "<th class=\"n\">|deviation| / u</th></tr></thead><tbody>\n",
           html);
     write_fit_row(html, doc, "fit_table", "Ridge model on the table");
     write_fit_row(html, doc, "fit_surface", "Harmonic model on the heights");
@@ -170,8 +177,8 @@ void dif_part_periods(FILE *html, const json_t *doc)
                 dif_result_number(doc, "fit_surface.n_harmonic"));
         char angle[DIF_HTML_NUMBER_SIZE];
         dif_html_uncertain(dif_result_number(doc, "fit_surface.psi_deg"),
-                           dif_result_number(doc, "fit_surface.u_psi_deg"), "", angle);
-        fprintf(html, "%s °, residual rms %s; scatter over %.0f bands of the scan. ", angle, text,
+                           dif_result_number(doc, "fit_surface.u_psi_deg"), "°", angle);
+        fprintf(html, "%s, residual rms %s; scatter over %.0f bands of the scan. ", angle, text,
                 dif_result_number(doc, "fit_surface.n_part"));
     }
     fputs("The stated uncertainty is the larger of the two.</caption></table>\n", html);
@@ -191,16 +198,16 @@ void dif_part_orders(FILE *html, const json_t *doc)
     json_array_foreach(orders, i, order)
     {
         fputs("<tr>", html);
-        cell(html, dif_result_number(order, "order"), 4, "");
+        cell_whole(html, dif_result_number(order, "order"));
         fprintf(html, "<td class=\"n\">%.0f</td>", dif_result_number(order, "n"));
-        cell(html, 1e3 * dif_result_number(order, "mean_deg"), 3, "m°");
-        cell(html, 1e3 * dif_result_number(order, "rms_deg"), 3, "m°");
-        cell(html, 1e3 * dif_result_number(order, "worst_deg"), 3, "m°");
+        cell(html, dif_result_number(order, "mean_deg"), 3, "°");
+        cell(html, dif_result_number(order, "rms_deg"), 3, "°");
+        cell(html, dif_result_number(order, "worst_deg"), 3, "°");
         cell(html, dif_result_number(order, "period_mean_nm"), 7, "nm");
         cell(html, dif_result_number(order, "period_sd_nm"), 2, "nm");
         fputs("</tr>\n", html);
     }
-    fputs("</tbody><caption>Statistics of the maxima by order (m° = 10⁻³ degree).</caption></table>\n", html);
+    fputs("</tbody><caption>Statistics of these maxima by order.</caption></table>\n", html);
 }
 
 void dif_part_ridges(FILE *html, const json_t *doc)
@@ -213,16 +220,19 @@ void dif_part_ridges(FILE *html, const json_t *doc)
         fputs("<p class=\"note\">No ridge was fitted.</p>\n", html);
         return;
     }
-    fputs("<table class=\"wide\"><thead><tr><th>Ridge</th><th class=\"n\">order</th><th class=\"n\">f</th>"
-          "<th class=\"n\">period</th><th class=\"n\">u, covariance</th><th class=\"n\">u, scatter</th>"
-          "<th class=\"n\">rms width in f</th><th class=\"n\">weight</th></tr></thead><tbody>\n",
-          html);
+    fprintf(html,
+            "<table class=\"wide\"><thead><tr>%s<th class=\"n\">order</th><th class=\"n\">f</th>"
+            "<th class=\"n\">period</th><th class=\"n\">u, covariance</th><th class=\"n\">u, scatter</th>"
+            "<th class=\"n\">rms width in f</th><th class=\"n\">weight</th></tr></thead><tbody>\n",
+            common ? "" : "<th>Ridge</th>");
     json_array_foreach(ridges, i, ridge)
     {
         const double covariance = dif_result_number(ridge, "u_covariance_nm");
         const double scatter = dif_result_number(ridge, "u_scatter_nm");
-        fprintf(html, "<tr><td>%c</td>", common ? ' ' : 'A' + (int)(i % 26));
-        cell(html, dif_result_number(ridge, "order"), 4, "");
+        fputs("<tr>", html);
+        if (!common)
+            fprintf(html, "<td>%c</td>", 'A' + (int)(i % 26));
+        cell_whole(html, dif_result_number(ridge, "order"));
         cell_uncertain(html, dif_result_number(ridge, "f_per_um"), dif_result_number(ridge, "u_f_per_um"), "µm⁻¹");
         cell_uncertain(html, dif_result_number(ridge, "period_nm"), fmax(covariance, scatter), "nm");
         cell(html, covariance, 2, "nm");

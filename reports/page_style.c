@@ -30,7 +30,7 @@ static const char style[] =
     "figcaption b{color:#1c2126;font-weight:600}\n"
     "svg{display:block;width:100%;height:auto}\n"
     "svg text,svg tspan{font-family:inherit}\n"
-    ".pair{display:grid;grid-template-columns:1fr 1fr;gap:1.6rem}\n"
+    ".pair{display:grid;grid-template-columns:1fr 1fr;gap:1.6rem;align-items:start}\n"
     ".pair>*{min-width:0}\n"
     ".v{white-space:nowrap}\n"
     ".v b{font-weight:600}\n"

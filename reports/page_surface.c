@@ -22,14 +22,19 @@ static dif_status write_surface(FILE *html, int number, const dif_result *result
     char prefix[32], text[DIF_HTML_NUMBER_SIZE];
     fprintf(html, "<h3 id=\"s%d-surface\">Surface</h3>\n<div class=\"pair\">\n<figure>", number);
     snprintf(prefix, sizeof prefix, "s%dh", number);
-    dif_status status = dif_figure_height(result, prefix, html, err);
+    dif_status status = dif_figure_height(result, prefix, html, notes, err);
     if (status != DIF_OK)
         return status;
     dif_html_number(dif_result_number(doc, "surface.pitch_x_nm"), 5, "nm", text);
     fprintf(html,
             "<figcaption><b>Heights</b> seen from above, %d × %d samples of %s; colour is height. The arrow shows "
-            "which way the light travels across the surface.</figcaption></figure>\n<figure>",
-            result->field.nx, result->field.ny, text);
+            "which way light %stravels across the surface.",
+            result->field.nx, result->field.ny, text,
+            result->table.plan.fixed_is_wo ? "of a positive angle of incidence " : "");
+    if (notes->height_outside > 0.0)
+        fprintf(html, " %.2g %% of the picture is lower or higher than the colour scale and takes its end colours.",
+                100.0 * notes->height_outside);
+    fputs("</figcaption></figure>\n<figure>", html);
     snprintf(prefix, sizeof prefix, "s%dp", number);
     status = dif_figure_profile(result, prefix, html, notes, err);
     if (status != DIF_OK)
@@ -70,29 +75,37 @@ static dif_status write_table(FILE *html, int number, const dif_result *result, 
               "the fitted period; their orders stand on top.",
               html);
     else if (notes->n_curve)
-        fprintf(html, " Thin curves: the grating equation for each of the %d fitted ridges.", notes->n_curve);
+        fprintf(html,
+                " Thin curves: the grating equation for each of the %d fitted ridges, lettered as in the list below.",
+                notes->n_curve);
     else
         fputs(" No grating-equation curve is drawn, because no period was fitted.", html);
     fputs("</figcaption></figure>\n", html);
     return DIF_OK;
 }
 
-static dif_status write_period(FILE *html, int number, const dif_result *result, dif_error *err)
+static dif_status write_period(FILE *html, int number, const dif_result *result, dif_figure_notes *notes,
+                               dif_error *err)
 {
     char prefix[32];
     fprintf(html, "<h3 id=\"s%d-period\">Period</h3>\n", number);
     dif_part_periods(html, result->doc);
     snprintf(prefix, sizeof prefix, "s%dr", number);
     fputs("<figure>", html);
-    const dif_status status = dif_figure_residuals(result, prefix, html, err);
+    const dif_status status = dif_figure_residuals(result, prefix, html, notes, err);
     if (status != DIF_OK)
         return status;
-    fputs("<figcaption><b>Residuals of the maxima</b>: angle found minus the angle that the grating equation gives for "
+    fputs("<figcaption><b>Residuals of the maxima</b> that lie on a line of the fitted period: angle found minus the "
+          "angle that the grating equation gives for "
           "the "
           "fitted period, by order. Small dots: one maximum each, coloured by wavelength. Squares: mean of the order, "
-          "with its standard deviation. Plain maxima wander around the line's centre because the order's amplitude "
-          "changes across the line; the fit models that and is not drawn to them.</figcaption></figure>\n",
+          "with its standard deviation. Plain maxima sit beside the line’s centre because gain and amplitude change "
+          "across the line; the fit models that and does not use them.",
           html);
+    fprintf(html, " %d of the %d maxima lie on a line.", notes->n_residual, result->maxima.n_row);
+    if (notes->n_far > 0)
+        fprintf(html, " %d of them lie beyond the plot.", notes->n_far);
+    fputs("</figcaption></figure>\n", html);
     dif_part_orders(html, result->doc);
     return DIF_OK;
 }
@@ -124,7 +137,7 @@ dif_status dif_page_surface(FILE *html, int number, const dif_result *result, di
     if (status == DIF_OK)
         status = write_table(html, number, result, &notes, err);
     if (status == DIF_OK)
-        status = write_period(html, number, result, err);
+        status = write_period(html, number, result, &notes, err);
     if (status == DIF_OK)
         status = write_lines(html, number, result, err);
     if (status != DIF_OK)

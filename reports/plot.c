@@ -36,9 +36,11 @@ dif_status dif_plot_open(int width, int height, FILE **script, dif_error *err)
             "set terminal svg size %d,%d dynamic font 'sans-serif,13' linewidth 1 name 'plot'\n"
             "set border 31 lw 0.8 lc rgb '#444444'\n"
             "set tics textcolor rgb '#222222' scale 0.6\n"
-            "set colorbox border lc rgb '#444444'\n"
+            "set colorbox border\n"
             "unset key\n"
-            "set datafile missing 'nan'\n",
+            "set datafile missing 'nan'\n"
+            "set minussign\n"
+            "set xlabel offset 0,0.5\n",
             width, height);
     const dif_status status = write_palette(*script, err);
     if (status != DIF_OK) {
@@ -46,6 +48,14 @@ dif_status dif_plot_open(int width, int height, FILE **script, dif_error *err)
         *script = NULL;
     }
     return status;
+}
+
+void dif_plot_image(FILE *script, double x0, double dx, double y0, double dy, int nx, int ny)
+{
+    fprintf(script,
+            "plot '-' binary array=(%d,%d) format='%%float' origin=(%.12g,%.12g) dx=%.12g dy=%.12g using 1 with image "
+            "notitle",
+            nx, ny, x0, y0, dx, dy);
 }
 
 /* Runs gnuplot with its three streams on files; *code is its exit code. */

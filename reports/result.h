@@ -19,7 +19,7 @@
 #define DIF_RESULT_LIST_SCHEMA "diffbench results 1"
 
 /* Columns of NAME.maxima.csv and NAME.lines.csv, in this order. */
-#define DIF_RESULT_MAXIMA_HEADER "lambda_nm,angle_deg,value,order,residual_deg,period_nm,is_global,at_edge"
+#define DIF_RESULT_MAXIMA_HEADER "lambda_nm,angle_deg,value,order,residual_deg,period_nm,is_global,at_edge,on_line"
 #define DIF_RESULT_LINES_HEADER  "f_per_um,power_mean,n_cell"
 
 enum dif_result_maxima_column {
@@ -31,6 +31,7 @@ enum dif_result_maxima_column {
     DIF_MAXIMA_PERIOD_NM,
     DIF_MAXIMA_IS_GLOBAL,
     DIF_MAXIMA_AT_EDGE,
+    DIF_MAXIMA_ON_LINE, /* within twice the line's rms width of its order: not a side lobe or a neighbour's */
     DIF_MAXIMA_N
 };
 enum dif_result_lines_column { DIF_LINES_F_PER_UM, DIF_LINES_POWER_MEAN, DIF_LINES_N_CELL, DIF_LINES_N };

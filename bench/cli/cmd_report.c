@@ -181,10 +181,10 @@ static dif_status load(const dif_cli *cli, const report_args *args, int i, dif_r
         return status;
     if (built_in) {
         dif_progress none = dif_progress_begin("", true);
-        const dif_field_file as_file = {.title = "diffbench fixture"};
-        job->opts = dif_cli_measure_opts(cli, &args->measure, &as_file, &none);
-        if (args->measure.average == DIF_AVERAGE_BY_SURFACE && !job->has_grating)
-            job->opts.average = DIF_AVERAGE_WELCH;
+        const dif_field_file nothing = {0};
+        job->opts = dif_cli_measure_opts(cli, &args->measure, &nothing, &none);
+        if (args->measure.average == DIF_AVERAGE_BY_SURFACE) /* a perfect grating has no speckle to average */
+            job->opts.average = job->has_grating ? DIF_AVERAGE_NONE : DIF_AVERAGE_WELCH;
     }
     job->opts.progress = NULL;
     job->opts.progress_self = NULL;

@@ -56,7 +56,8 @@ typedef struct dif_report_data {
     bool common_period;
     dif_fit_result fit;
     dif_fit_surface_result surface;
-    dif_maxima maxima; /* owned */
+    dif_maxima maxima;  /* owned */
+    dif_maxima on_line; /* those of them that lie on a line of the fitted period; owned */
     int n_line;
     double *line;   /* line[n_line][3]: f, mean power, cells; owned */
     size_t n_below; /* cells with p < tol^2           */
@@ -82,6 +83,10 @@ DIF_MUST_USE dif_status dif_report_orders(const dif_report_job *job, dif_report_
 
 /* How far scalar theory can be trusted here: a list of {"level", "text"}. NULL = out of memory. */
 json_t *dif_report_domain(const dif_report_job *job, const dif_report_data *data);
+
+/* True if a maximum lies within twice the line's rms width of its order, so that it speaks for the fitted period; side
+ * lobes, other ridges and the rise towards grazing angles do not. */
+bool dif_report_on_line(const dif_report_data *data, const dif_maximum *maximum);
 
 /* Parts of the result object: the fits, the maxima. NULL = out of memory. */
 json_t *dif_report_fit_table_json(const dif_report_data *data);

@@ -7,8 +7,9 @@
 #include "core/units.h"
 #include "reports/result.h"
 
-/* Energy integrals agree with the closed forms as far as the width of the lines allows. */
-static const double energy_limit = 0.02;
+/* How far the integral at normal incidence may be from the closed form: the window gives each order a width, and the
+ * gain, which is not linear, is averaged over it. At grazing incidence this is large, so that nothing is judged there. */
+static const double energy_limit = 0.01;
 
 static json_t *nm(double um)
 {
@@ -84,7 +85,7 @@ static json_t *measure_json(const dif_report_job *job, const dif_report_data *da
     else
         snprintf(text, sizeof text, "Method: %s, %d %s%s, stored in %s precision, %d window%s.",
                  dif_method_name(job->opts.method), stats->n_plane,
-                 job->opts.method == DIF_METHOD_TAYLOR ? "terms" : "planes of κ_z",
+                 job->opts.method == DIF_METHOD_TAYLOR ? "terms" : "planes of κz",
                  stats->n_tap > 0 ? " with an interpolation kernel" : "", stats->single ? "single" : "double",
                  stats->n_window, stats->n_window == 1 ? "" : "s");
     return json_pack("{s:s, s:s, s:o, s:i, s:i, s:i, s:I, s:b, s:o}", "method", dif_method_name(job->opts.method),
@@ -125,8 +126,10 @@ static json_t *energy_json(const dif_report_job *job, const dif_report_data *dat
     }
     return rows ? json_pack(
                       "{s:s, s:o}", "text",
-                      "Scalar theory does not conserve energy exactly at steep incidence (0.6 to 1.8 in the hardest "
-                      "cases); the sum is reported, never rescaled.",
+                      "Judged at normal incidence. At grazing incidence the coherence window spreads the orders over "
+                      "directions where the gain changes fast, which the closed form of sharp orders does not know. "
+                      "Scalar theory does not conserve energy exactly (0.6 to 1.8 in the hardest cases); the sum is "
+                      "reported, never rescaled.",
                       "rows", rows)
                 : NULL;
 }
@@ -159,7 +162,7 @@ static void order_limits(const dif_report_job *job, const dif_report_data *data,
     if (wall > 0.0)
         snprintf(text, DIF_REPORT_TEXT,
                  "The vertical walls limit the agreement: %ld periods of %.2f samples place a wall at %.0f different "
-                 "phases, each known to half a sample, so a difference up to %.1e is the sampling's.",
+                 "phases, each known to half a sample, so a difference up to %.2g is the sampling's.",
                  periods, field->nx / n_period, n_phase, *limit);
     else
         snprintf(text, DIF_REPORT_TEXT,
@@ -191,41 +194,46 @@ static json_t *orders_json(const dif_report_job *job, const dif_report_data *dat
                 : NULL;
 }
 
-static json_t *verdict(const char *name, int pass, double value, double limit, const char *unit, bool *outside)
+/* A verdict; pass < 0: nothing to hold the value against. A failed one sets *outside. */
+static json_t *verdict(const char *name, int pass, const char *label, double value, double limit, const char *unit,
+                       bool *outside)
 {
     json_t *mark = pass < 0 ? json_null() : json_boolean(pass);
     if (pass == 0)
         *outside = true;
-    return json_pack("{s:s, s:o, s:o, s:o, s:s}", "name", name, "pass", mark, "value", dif_json_number(value), "limit",
-                     dif_json_number(limit), "unit", unit);
+    return json_pack("{s:s, s:o, s:s, s:o, s:o, s:s}", "name", name, "pass", mark, "label", label, "value",
+                     dif_json_number(value), "limit", dif_json_number(limit), "unit", unit);
 }
 
-/* 1 pass, 0 fail, -1 nothing to hold it against. */
-static int judge(bool has_reference, double value, double limit)
+static json_t *period_verdict(const dif_report_job *job, const dif_report_data *data, bool *outside)
 {
-    return has_reference ? value <= limit : -1;
+    if (!job->known_exact)
+        return verdict("period", -1, "", NAN, NAN, "nm", outside);
+    if (data->fit_status != DIF_OK)
+        return verdict("period", 0, "not determined", NAN, NAN, "nm", outside);
+    const double off_um = fabs(data->fit.period_um - job->known_period_um);
+    const double limit_um = 2.0 * data->fit.period_uncertainty_um;
+    return verdict("period", off_um <= limit_um, "", dif_nm_from_um(off_um), dif_nm_from_um(limit_um), "nm", outside);
+}
+
+static json_t *energy_verdict(const dif_report_job *job, const dif_report_data *data, bool *outside)
+{
+    const dif_report_energy *normal = &data->energy[0];
+    if (!job->has_grating)
+        return verdict("energy", -1, "∫ = ", normal->albedo, NAN, "", outside);
+    const double off = fabs(normal->albedo - normal->reference);
+    return verdict("energy", off <= energy_limit, "", off, energy_limit, "", outside);
 }
 
 static json_t *verdicts_json(const dif_report_job *job, const dif_report_data *data, double order_worst,
                              double order_limit, bool *outside)
 {
-    const bool fitted = data->fit_status == DIF_OK;
-    const double off = fitted ? fabs(data->fit.period_um - job->known_period_um) : (double)NAN;
-    const double allowed = fitted && job->known_exact ? 2.0 * data->fit.period_uncertainty_um : (double)NAN;
-    double energy = 0.0;
-    for (int i = 0; i < data->n_energy; i++)
-        energy = fmax(energy, fabs(data->energy[i].albedo - data->energy[i].reference));
-    if (!job->has_grating)
-        energy = NAN;
-    return json_pack(
-        "[o, o, o, o]",
-        verdict("period", judge(job->known_exact, off, allowed), dif_nm_from_um(off), dif_nm_from_um(allowed), "nm",
-                outside),
-        verdict("error", judge(true, data->check.worst_amplitude, job->tol), data->check.worst_amplitude, job->tol, "",
-                outside),
-        verdict("energy", judge(job->has_grating, energy, energy_limit), energy,
-                job->has_grating ? energy_limit : (double)NAN, "", outside),
-        verdict("orders", judge(data->n_order > 0, order_worst, order_limit), order_worst, order_limit, "", outside));
+    const double worst = data->check.worst_amplitude;
+    return json_pack("[o, o, o, o]", period_verdict(job, data, outside),
+                     verdict("error", worst <= job->tol, "", worst, job->tol, "", outside),
+                     energy_verdict(job, data, outside),
+                     verdict("orders", data->n_order > 0 ? order_worst <= order_limit : -1, "", order_worst,
+                             order_limit, "", outside));
 }
 
 static json_t *timings_json(const dif_report_data *data)
@@ -240,13 +248,13 @@ static json_t *timings_json(const dif_report_data *data)
         }
     }
     const double direct_s = data->check.direct_s_per_sample * (double)data->stats.n_sample;
-    const double ours_s = data->stats.build_wall_s + data->stats.eval_wall_s;
+    const double ratio = direct_s / (data->stats.build_wall_s + data->stats.eval_wall_s);
     char text[DIF_REPORT_TEXT];
     snprintf(text, sizeof text,
-             "The direct sum took %.3g ms a sample here; the whole table of %zu samples would have taken it %.3g s, "
-             "%.3g times "
+             "The direct sum took %.3g ms a sample here; all %zu samples of the table would have taken it %.0f s, %.0f "
+             "times "
              "as long as the table took.",
-             1e3 * data->check.direct_s_per_sample, data->stats.n_sample, direct_s, direct_s / ours_s);
+             1e3 * data->check.direct_s_per_sample, data->stats.n_sample, direct_s, ratio);
     return rows ? json_pack("{s:o, s:s}", "rows", rows, "text", text) : NULL;
 }
 

@@ -1,4 +1,5 @@
 #include <math.h>
+#include <stdlib.h>
 
 #include "bench/cli/cli.h"
 #include "bench/cli/report_job.h"
@@ -77,11 +78,26 @@ static json_t *order_json(const dif_maxima_order *order)
                      nm(order->period_sd_um));
 }
 
+/* The mean period of the largest values, where they are mostly of first order; else null, for it would mean nothing. */
+static json_t *first_order_json(const dif_maxima *maxima)
+{
+    int n_global = 0, n_first = 0;
+    for (int i = 0; i < maxima->n; i++) {
+        n_global += maxima->item[i].is_global;
+        n_first += maxima->item[i].is_global && abs(maxima->item[i].order) == 1;
+    }
+    if (2 * n_first <= n_global)
+        return json_null();
+    const dif_maxima_period first = dif_maxima_first_order(maxima);
+    return json_pack("{s:i, s:i, s:o, s:o, s:o, s:o}", "n", first.n, "order", 1, "mean_nm", nm(first.mean_um), "sd_nm",
+                     nm(first.sd_um), "min_nm", nm(first.min_um), "max_nm", nm(first.max_um));
+}
+
 json_t *dif_report_maxima_json(const dif_report_data *data)
 {
     dif_maxima_order order[DIF_REPORT_ORDER_MAX];
     json_t *orders = json_array();
-    int n = data->fit_status == DIF_OK ? dif_maxima_by_order(&data->maxima, DIF_REPORT_ORDER_MAX, order) : 0;
+    int n = data->fit_status == DIF_OK ? dif_maxima_by_order(&data->on_line, DIF_REPORT_ORDER_MAX, order) : 0;
     n = n < DIF_REPORT_ORDER_MAX ? n : DIF_REPORT_ORDER_MAX;
     for (int i = 0; orders && i < n; i++) {
         if (json_array_append_new(orders, order_json(&order[i])) != 0) {
@@ -89,9 +105,6 @@ json_t *dif_report_maxima_json(const dif_report_data *data)
             orders = NULL;
         }
     }
-    const dif_maxima_period first = dif_maxima_first_order(&data->maxima);
-    return json_pack("{s:i, s:o, s:o}", "n", data->maxima.n, "first_order",
-                     json_pack("{s:i, s:i, s:o, s:o, s:o, s:o}", "n", first.n, "order", 1, "mean_nm", nm(first.mean_um),
-                               "sd_nm", nm(first.sd_um), "min_nm", nm(first.min_um), "max_nm", nm(first.max_um)),
-                     "orders", orders);
+    return json_pack("{s:i, s:i, s:o, s:o}", "n", data->maxima.n, "n_on_line", data->on_line.n, "first_order",
+                     first_order_json(&data->maxima), "orders", orders);
 }

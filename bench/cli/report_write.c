@@ -42,8 +42,9 @@ static void write_comments(FILE *out, const dif_manifest *manifest)
         fprintf(out, "# %s: %s\n", manifest->item[i].key, manifest->item[i].value);
 }
 
-static dif_status write_maxima(const char *path, const dif_report_job *job, const dif_maxima *maxima, dif_error *err)
+static dif_status write_maxima(const char *path, const dif_report_job *job, const dif_report_data *data, dif_error *err)
 {
+    const dif_maxima *maxima = &data->maxima;
     dif_outfile out = {0};
     const dif_status status = dif_outfile_open(path, &out, err);
     if (status != DIF_OK)
@@ -52,9 +53,9 @@ static dif_status write_maxima(const char *path, const dif_report_job *job, cons
     fputs(DIF_RESULT_MAXIMA_HEADER "\n", out.stream);
     for (int i = 0; i < maxima->n; i++) {
         const dif_maximum *m = &maxima->item[i];
-        fprintf(out.stream, "%.9g,%.9g,%.9g,%d,%.6g,%.9g,%d,%d\n", dif_nm_from_um(m->lambda_um),
+        fprintf(out.stream, "%.9g,%.9g,%.9g,%d,%.6g,%.9g,%d,%d,%d\n", dif_nm_from_um(m->lambda_um),
                 dif_deg_from_rad(m->angle_rad), m->value, m->order, dif_deg_from_rad(m->residual_rad),
-                dif_nm_from_um(m->period_um), (int)m->is_global, (int)m->at_edge);
+                dif_nm_from_um(m->period_um), (int)m->is_global, (int)m->at_edge, (int)dif_report_on_line(data, m));
     }
     return dif_outfile_commit(&out, err);
 }
@@ -103,7 +104,7 @@ dif_status dif_report_write(const char *folder, const dif_report_job *job, const
     if (status == DIF_OK)
         status = join(folder, job->slug, ".maxima.csv", path, err);
     if (status == DIF_OK)
-        status = write_maxima(path, job, &data->maxima, err);
+        status = write_maxima(path, job, data, err);
     if (status == DIF_OK)
         status = join(folder, job->slug, ".lines.csv", path, err);
     if (status == DIF_OK)
