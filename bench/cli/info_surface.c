@@ -139,12 +139,25 @@ static void print_use(const info_surface *info)
     for (int i = 0; i < N_TOL; i++)
         printf("           %8.0e %13d %11d %13d %19d\n", info->cost[i].tol, info->cost[i].n_plane, info->cost[i].n_tap,
                info->cost[i].n_taylor, info->cost[i].n_jacobi);
-    printf("           phase up to %.4g rad: the Taylor series loses %.1f of 16 digits (of 7 in float)\n",
+    printf("           phase up to %.4g rad: the Taylor series loses %.1f decimal digits (double has 16, float 7)\n",
            info->phase_rad, info->taylor_digits_lost);
-    printf("trust      (order powers in scalar theory; the places of maxima hold in any case)\n");
-    for (int i = 0; i < N_TRUST; i++)
-        printf("           theta %2.0f deg, %.4g nm: %s\n", info->trust[i].theta_deg, info->trust[i].lambda_nm,
-               info->trust[i].line);
+}
+
+/* One line an angle, then each verdict's sentence once. */
+static void print_trust(const info_surface *info)
+{
+    printf("trust      in order powers (places of maxima and periods hold in any case)\n");
+    for (int i = 0; i < N_TRUST; i += 2)
+        printf("           theta %2.0f deg: %s at %.4g nm, %s at %.4g nm\n", info->trust[i].theta_deg,
+               dif_trust_name(info->trust[i].trust), info->trust[i].lambda_nm, dif_trust_name(info->trust[i + 1].trust),
+               info->trust[i + 1].lambda_nm);
+    for (int i = 0; i < N_TRUST; i++) {
+        bool is_new = true;
+        for (int j = 0; j < i; j++)
+            is_new = is_new && info->trust[j].trust != info->trust[i].trust;
+        if (is_new)
+            printf("           %s: %s\n", dif_trust_name(info->trust[i].trust), info->trust[i].line);
+    }
 }
 
 static json_t *json_lists(const info_surface *info, json_t *object)
@@ -206,6 +219,7 @@ dif_status dif_info_surface(const dif_cli *cli, const dif_field_file *file, doub
     } else if (!status) {
         print_surface(&info);
         print_use(&info);
+        print_trust(&info);
     }
     return status;
 }

@@ -26,28 +26,40 @@ static bool looks_like_table(const unsigned char *data, size_t n)
     return find(data, n_sniff, "lambda_nm") || find(data, n_sniff, "wavelength_nm");
 }
 
+/* The value behind a key of our provenance at text[n]: ` = VALUE` and a line end in GSF; in EXR NUL, "string", NUL, the
+ * length as little-endian 32 bits and the value. Returns its length, 0 if this is neither. */
+static size_t value_behind(const unsigned char *text, size_t n, const unsigned char **value)
+{
+    static const char in_gsf[] = " = ", in_exr[] = "\0string";
+    const size_t n_gsf = sizeof in_gsf - 1, n_exr = sizeof in_exr + 4;
+    size_t n_value = 0;
+    if (n > n_gsf && memcmp(text, in_gsf, n_gsf) == 0) {
+        *value = text + n_gsf;
+        while (n_gsf + n_value < n && (*value)[n_value] != '\n')
+            n_value++;
+    } else if (n > n_exr && memcmp(text, in_exr, sizeof in_exr) == 0 && !text[n_exr - 3] && !text[n_exr - 2]) {
+        *value = text + n_exr;
+        n_value = text[n_exr - 4];
+        n_value = n_value <= n - n_exr ? n_value : 0;
+    }
+    return n_value;
+}
+
 /* The kind that `fixture` wrote into the provenance of a GSF or EXR file. */
 static bool fixture_kind(const unsigned char *data, size_t n, dif_surface_kind *kind)
 {
-    static const char key[] = "diffbench.fixture", in_gsf[] = " = ", in_exr[] = "\0string"; /* then NUL and a length */
+    static const char key[] = "diffbench.fixture";
     const unsigned char *end = data + (n < SNIFF_BYTES ? n : SNIFF_BYTES);
-    const unsigned char *at = data;
+    const unsigned char *at = data, *value = NULL;
     while ((at = find(at, (size_t)(end - at), key))) {
         char name[32] = "";
         at += sizeof key - 1;
-        const size_t n_left = (size_t)(end - at);
-        size_t n_skip = 0, n_name = 0;
-        if (n_left > sizeof in_gsf && memcmp(at, in_gsf, sizeof in_gsf - 1) == 0)
-            n_skip = sizeof in_gsf - 1;
-        else if (n_left > sizeof in_exr + 4 && memcmp(at, in_exr, sizeof in_exr) == 0)
-            n_skip = sizeof in_exr + 4;
-        while (n_skip && n_name < sizeof name - 1 && n_skip + n_name < n_left && at[n_skip + n_name] >= 'a' &&
-               at[n_skip + n_name] <= 'z') {
-            name[n_name] = (char)at[n_skip + n_name];
-            n_name++;
+        const size_t n_value = value_behind(at, (size_t)(end - at), &value);
+        if (n_value > 0 && n_value < sizeof name) {
+            memcpy(name, value, n_value);
+            if (dif_surface_kind_from_name(name, kind))
+                return true;
         }
-        if (dif_surface_kind_from_name(name, kind))
-            return true;
     }
     return false;
 }

@@ -263,23 +263,19 @@ int dif_cli_parse(dif_cli *cli, int n_operand_min, int n_operand_max)
     return DIF_CLI_GO;
 }
 
-/* Prints text wrapped at 100 columns, indented from the second line on. */
-static void print_wrapped(const char *text, int column, int indent)
+/* Prints words wrapped at 100 columns; lines after the first begin at `column`, too. */
+static void print_wrapped(const char *text, int column)
 {
+    enum { WIDTH = 100 };
+    int at = column;
     while (*text) {
         const int n = (int)strcspn(text, " ");
-        if (column + n > 100) {
-            printf("\n%*s", indent, "");
-            column = indent;
-        }
-        printf("%.*s", n, text);
-        column += n;
+        const bool fits = at + 1 + n <= WIDTH;
+        if (at > column)
+            at += fits ? printf(" ") : printf("\n%*s", column, "") - 1 - at;
+        at += printf("%.*s", n, text);
         text += n;
-        if (*text == ' ') {
-            putchar(' ');
-            column++;
-            text++;
-        }
+        text += strspn(text, " ");
     }
     putchar('\n');
 }
@@ -300,7 +296,7 @@ void dif_cli_print_help(const dif_cli *cli)
         if (column > HELP_COLUMN - 2)
             column = printf("\n") - 1;
         printf("%*s", HELP_COLUMN - column, "");
-        print_wrapped(opt->help, HELP_COLUMN, HELP_COLUMN);
+        print_wrapped(opt->help, HELP_COLUMN);
     }
     printf("\nExample\n%s", cli->help->example);
 }

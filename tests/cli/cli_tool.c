@@ -3,6 +3,7 @@
  *   cli_tool png NX NY OUT                   writes an 8 bit picture of a sine along x */
 #include <jansson.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

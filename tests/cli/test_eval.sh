@@ -22,7 +22,7 @@ mirror=$(sed -n 1p rows | cut -d, -f6)
 # J_0(k w H/2)^2 with w = 2 cos 20, H = 120 nm
 near "mirror order of the sinusoid" "$mirror" "$(awk 'BEGIN {
     x = 2 * 3.14159265358979 / 550 * 2 * cos(20 / 57.29577951308232) * 60
-    n = 2000; for (i = 0; i < n; i++) j += cos(x * sin(3.14159265358979 * (i + 0.5) / n)) / n; print j * j }')" 1e-4
+    n = 2000; for (i = 0; i < n; i++) j += cos(x * sin(3.14159265358979 * (i + 0.5) / n)) / n; printf "%.12g", j * j }')" 1e-4
 
 # against the direct sum, amplitudes
 run 0 eval s.exr --queries q.csv --tol 1e-9 --amplitude
