@@ -1,4 +1,4 @@
-/* open, fstat, lstat, realpath, fsync, getpid, strerror_r */
+/* open, fstat, lstat, realpath, fsync, getpid */
 #define _XOPEN_SOURCE 700
 
 #include "core/io/file.h"
@@ -14,17 +14,7 @@
 #include "core/alloc.h"
 #include "core/io/source.h"
 
-enum { CHUNK = 1 << 16, REASON_SIZE = 80 };
-
-/* "path: what: reason of errno" */
-static dif_status fail_errno(dif_error *err, const char *path, const char *what, int number)
-{
-    char name[DIF_NAME_SIZE], reason[REASON_SIZE];
-    dif_name_short(path, name);
-    if (strerror_r(number, reason, sizeof reason) != 0)
-        snprintf(reason, sizeof reason, "error %d", number);
-    return dif_fail(err, DIF_ERR_IO, "%s: %s: %s", name, what, reason);
-}
+enum { CHUNK = 1 << 16 };
 
 static dif_status fail_directory(dif_error *err, const char *path, const char *want)
 {
@@ -71,7 +61,7 @@ static dif_status read_all(int fd, const char *path, size_t n_max, dif_buffer *b
         if (n_got < 0 && errno == EINTR)
             continue;
         if (n_got < 0)
-            return fail_errno(err, path, "cannot read", errno);
+            return dif_fail_errno(err, path, "cannot read", errno);
         if (n_got == 0)
             return DIF_OK;
         buffer->n += (size_t)n_got;
@@ -87,9 +77,9 @@ dif_status dif_file_read(const char *path, size_t n_max, unsigned char **data, s
     struct stat about;
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0)
-        return fail_errno(err, path, "cannot open", errno);
+        return dif_fail_errno(err, path, "cannot open", errno);
     if (fstat(fd, &about) != 0) {
-        status = fail_errno(err, path, "cannot read", errno);
+        status = dif_fail_errno(err, path, "cannot read", errno);
         goto cleanup;
     }
     if (S_ISDIR(about.st_mode)) {
@@ -138,7 +128,7 @@ static dif_status choose_place(const char *path, char target[PATH_MAX], bool *di
     struct stat about;
     *direct = false;
     if (strlen(path) >= PATH_MAX)
-        return fail_errno(err, path, "cannot write", ENAMETOOLONG);
+        return dif_fail_errno(err, path, "cannot write", ENAMETOOLONG);
     memcpy(target, path, strlen(path) + 1);
     if (stat(path, &about) == 0) {
         if (S_ISDIR(about.st_mode))
@@ -176,7 +166,7 @@ dif_status dif_outfile_open(const char *path, dif_outfile *out, dif_error *err)
         return status;
     out->stream = fopen(out->path_tmp, "wb");
     if (!out->stream) {
-        status = fail_errno(err, path, "cannot write", errno);
+        status = dif_fail_errno(err, path, "cannot write", errno);
         dif_outfile_abort(out);
     }
     return status;
@@ -185,7 +175,7 @@ dif_status dif_outfile_open(const char *path, dif_outfile *out, dif_error *err)
 dif_status dif_outfile_write(dif_outfile *out, const void *data, size_t n, dif_error *err)
 {
     if (n > 0 && fwrite(data, 1, n, out->stream) != n)
-        return fail_errno(err, out->path, "cannot write", errno);
+        return dif_fail_errno(err, out->path, "cannot write", errno);
     return DIF_OK;
 }
 
@@ -218,7 +208,7 @@ dif_status dif_outfile_commit(dif_outfile *out, dif_error *err)
     }
     if (number == 0 && !is_direct(out) && rename(out->path_tmp, out->path) != 0)
         number = errno;
-    const dif_status status = number ? fail_errno(err, out->path, "cannot write", number) : DIF_OK;
+    const dif_status status = number ? dif_fail_errno(err, out->path, "cannot write", number) : DIF_OK;
     if (!status) {
         dif_release(out->path_tmp);
         out->path_tmp = NULL; /* nothing is left to remove */

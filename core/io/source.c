@@ -1,3 +1,6 @@
+/* strerror_r */
+#define _POSIX_C_SOURCE 200809L
+
 #include "core/io/source.h"
 
 #include <stdint.h>
@@ -59,8 +62,18 @@ dif_status dif_fail_named(dif_error *err, const char *name, dif_status status)
         dif_name_short(name, short_name);
         const int n_left = (int)(sizeof text - strlen(short_name) - 3);
         snprintf(err->text, sizeof err->text, "%s: %.*s", short_name, n_left, text);
+        err->status = status;
     }
     return status;
+}
+
+dif_status dif_fail_errno(dif_error *err, const char *name, const char *what, int number)
+{
+    char short_name[DIF_NAME_SIZE], reason[80];
+    dif_name_short(name, short_name);
+    if (strerror_r(number, reason, sizeof reason) != 0)
+        snprintf(reason, sizeof reason, "error %d", number);
+    return dif_fail(err, DIF_ERR_IO, "%s: %s: %s", short_name, what, reason);
 }
 
 /* Appends a code point as UTF-8. */

@@ -30,6 +30,9 @@ void dif_quote(const char *text, size_t n, char out[DIF_QUOTE_SIZE]);
 /* Puts "name: " before the text of *err (if not NULL) and returns the status. */
 dif_status dif_fail_named(dif_error *err, const char *name, dif_status status);
 
+/* DIF_ERR_IO with "name: what: reason", the reason being that of an errno. */
+dif_status dif_fail_errno(dif_error *err, const char *name, const char *what, int number);
+
 /* UTF-8 text of a source: skips a UTF-8 byte order mark, transcodes UTF-16 (byte order mark required) into a new
  * block. *text[*n] stays valid as long as the source and *owned; the caller gives *owned (may be NULL) to dif_release.
  * Status DIF_ERR_FORMAT for broken UTF-16 or NUL bytes, DIF_ERR_NOMEM */
