@@ -1,10 +1,10 @@
 # The binary, one shared library of all layers below the command line, its headers and a pkg-config file.
 
-# Every header of core, core/io, fixtures and bench is either public or internal (tests/audit holds this list to the tree).
+# Every header of core, core/io, fixtures and bench is public or internal; tests/audit holds this list to the tree.
 set(DIF_PUBLIC_HEADERS
-    core/alloc.h core/brdf.h core/conventions.h core/direct.h core/domain.h core/fft.h core/field.h core/fresnel.h core/grating.h
-    core/kernel.h core/plan.h core/response.h core/series.h core/sheet.h core/status.h core/units.h core/vec.h
-    core/window.h
+    core/alloc.h core/brdf.h core/colour.h core/conventions.h core/direct.h core/domain.h core/fft.h core/field.h
+    core/fresnel.h core/grating.h core/kernel.h core/plan.h core/response.h core/series.h core/sheet.h core/spectrum.h
+    core/status.h core/units.h core/vec.h core/window.h
     core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/manifest.h core/io/table_io.h
     fixtures/surfaces.h
     bench/energy.h bench/fit.h bench/maxima.h bench/measure.h bench/scan.h)
