@@ -110,7 +110,7 @@ static dif_status measure(const dif_cli *cli, const eval_args *args, eval_run *r
 
 static void print_csv(FILE *stream, const eval_args *args, const eval_run *run)
 {
-    dif_csv_provenance(stream, &run->manifest);
+    dif_csv_out_provenance(stream, &run->manifest);
     fprintf(stream, "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm,power,rho,brdf%s\n",
             args->amplitude ? ",amplitude_re,amplitude_im" : "");
     for (size_t i = 0; i < run->n; i++) {
@@ -155,10 +155,10 @@ static int execute(const dif_cli *cli, const eval_args *args)
     int code = DIF_EXIT_DONE;
     dif_status status = measure(cli, args, &run, &err);
     if (!status && (args->out || !cli->json)) {
-        status = dif_csv_open(args->out, &out, &err);
+        status = dif_csv_out_open(args->out, &out, &err);
         if (!status) {
             print_csv(out.stream, args, &run);
-            status = dif_csv_close(&out, &err);
+            status = dif_csv_out_close(&out, &err);
         }
     }
     if (status)

@@ -8,7 +8,6 @@
 #include "bench/maxima.h"
 #include "core/io/table_io.h"
 #include "core/units.h"
-#include "reports/result.h"
 
 static const dif_cli_help HELP = {
     "TABLE",
@@ -80,18 +79,18 @@ static dif_status find(const dif_cli *cli, const maxima_args *args, maxima_run *
 static dif_status write_csv(const maxima_args *args, const maxima_run *run, dif_error *err)
 {
     dif_csv_out out;
-    const dif_status status = dif_csv_open(args->out, &out, err);
+    const dif_status status = dif_csv_out_open(args->out, &out, err);
     if (status)
         return status;
-    dif_csv_provenance(out.stream, &run->manifest);
-    fprintf(out.stream, "%s\n", DIF_RESULT_MAXIMA_HEADER);
+    dif_csv_out_provenance(out.stream, &run->manifest);
+    fprintf(out.stream, "lambda_nm,angle_deg,value,order,residual_deg,period_nm,is_global,at_edge\n");
     for (int i = 0; i < run->maxima.n; i++) {
         const dif_maximum *m = &run->maxima.item[i];
         fprintf(out.stream, "%.12g,%.12g,%.9g,%d,%.9g,%.9g,%d,%d\n", dif_nm_from_um(m->lambda_um),
                 dif_deg_from_rad(m->angle_rad), m->value, m->order, dif_deg_from_rad(m->residual_rad),
                 dif_nm_from_um(m->period_um), m->is_global, m->at_edge);
     }
-    return dif_csv_close(&out, err);
+    return dif_csv_out_close(&out, err);
 }
 
 static int count_edges(const dif_maxima *maxima)

@@ -179,7 +179,7 @@ static void print_row(FILE *stream, const orders_run *run, const order_row *row,
 static void print_csv(FILE *stream, const orders_run *run)
 {
     const orders_args *args = run->args;
-    dif_csv_provenance(stream, &run->manifest);
+    dif_csv_out_provenance(stream, &run->manifest);
     if (args->queries)
         fprintf(stream, "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm\n");
     else
@@ -268,10 +268,10 @@ static int execute(const dif_cli *cli, const orders_args *args)
     if (!status)
         status = dif_cli_manifest(cli, NULL, &run.manifest, &err);
     if (!status && (args->out || !cli->json)) {
-        status = dif_csv_open(args->out, &out, &err);
+        status = dif_csv_out_open(args->out, &out, &err);
         if (!status) {
             print_csv(out.stream, &run);
-            status = dif_csv_close(&out, &err);
+            status = dif_csv_out_close(&out, &err);
         }
     }
     if (status)

@@ -101,20 +101,16 @@ static dif_status describe_check(table_run *run, dif_error *err)
                              check->worst_lambda_nm);
 }
 
+/* The plan and the quantity are written by core/io/table_io.h itself. */
 static dif_status describe(const dif_cli *cli, const table_args *args, table_run *run, dif_error *err)
 {
-    const dif_plan *plan = &run->plan;
     dif_manifest *manifest = &run->manifest;
     dif_status status = dif_cli_manifest(cli, cli->operand[0], manifest, err);
-    if (status || (status = dif_cli_manifest_surface(manifest, &run->file, err)) ||
-        (status = dif_manifest_set(manifest, "quantity", dif_quantity_name(run->table.quantity), err)) ||
-        (status = dif_manifest_set(manifest, "unit", dif_quantity_unit(run->table.quantity), err)) ||
-        (status = dif_manifest_set(manifest, "fixed", plan->fixed_is_wo ? "theta_r_deg" : "theta_i_deg", err)) ||
-        (status = dif_manifest_setf(manifest, err, "fixed_deg", "%.12g", dif_deg_from_rad(plan->fixed_rad))) ||
-        (status = dif_manifest_setf(manifest, err, "azimuth_deg", "%.12g", args->azimuth_deg)) ||
-        (status = dif_cli_manifest_measure(manifest, args->measure.tol, &run->opts, &run->stats, err)))
-        return status;
-    return args->measure.n_check > 0 ? describe_check(run, err) : DIF_OK;
+    if (!status)
+        status = dif_cli_manifest_surface(manifest, &run->file, err);
+    if (!status)
+        status = dif_cli_manifest_measure(manifest, args->measure.tol, &run->opts, &run->stats, err);
+    return status || args->measure.n_check == 0 ? status : describe_check(run, err);
 }
 
 static json_t *json_axis(const double *value, int n, double (*convert)(double))
@@ -143,7 +139,10 @@ static json_t *json_values(const dif_table *table)
 static json_t *json_table(const table_args *args, const table_run *run)
 {
     const dif_plan *plan = &run->table.plan;
-    json_t *object = json_object();
+    json_t *object =
+        json_pack("{s:s, s:s, s:s, s:f, s:f}", "quantity", dif_quantity_name(run->table.quantity), "unit",
+                  dif_quantity_unit(run->table.quantity), "fixed_angle", plan->fixed_is_wo ? "theta_r" : "theta_i",
+                  "fixed_deg", dif_deg_from_rad(plan->fixed_rad), "azimuth_deg", dif_deg_from_rad(plan->azimuth_rad));
     json_object_set_new(object, "provenance", dif_json_manifest(&run->manifest));
     json_object_set_new(object, "cost", dif_json_stats(&run->stats));
     if (args->measure.n_check > 0)

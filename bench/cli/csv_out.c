@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-dif_status dif_csv_open(const char *path, dif_csv_out *out, dif_error *err)
+dif_status dif_csv_out_open(const char *path, dif_csv_out *out, dif_error *err)
 {
     *out = (dif_csv_out){.stream = stdout};
     if (!path || strcmp(path, "-") == 0)
@@ -14,12 +14,12 @@ dif_status dif_csv_open(const char *path, dif_csv_out *out, dif_error *err)
     return status;
 }
 
-dif_status dif_csv_close(dif_csv_out *out, dif_error *err)
+dif_status dif_csv_out_close(dif_csv_out *out, dif_error *err)
 {
     return out->stream == stdout ? DIF_OK : dif_outfile_commit(&out->file, err);
 }
 
-void dif_csv_provenance(FILE *stream, const dif_manifest *manifest)
+void dif_csv_out_provenance(FILE *stream, const dif_manifest *manifest)
 {
     for (int i = 0; i < manifest->n; i++)
         fprintf(stream, "# %s: %s\n", manifest->item[i].key, manifest->item[i].value);

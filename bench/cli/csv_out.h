@@ -14,12 +14,12 @@ typedef struct dif_csv_out {
 } dif_csv_out;
 
 /* path NULL or "-" is stdout. */
-DIF_MUST_USE dif_status dif_csv_open(const char *path, dif_csv_out *out, dif_error *err);
+DIF_MUST_USE dif_status dif_csv_out_open(const char *path, dif_csv_out *out, dif_error *err);
 
 /* Commits the file; errors of stdout are found when the program ends. */
-DIF_MUST_USE dif_status dif_csv_close(dif_csv_out *out, dif_error *err);
+DIF_MUST_USE dif_status dif_csv_out_close(dif_csv_out *out, dif_error *err);
 
 /* `# key: value` lines. */
-void dif_csv_provenance(FILE *stream, const dif_manifest *manifest);
+void dif_csv_out_provenance(FILE *stream, const dif_manifest *manifest);
 
 #endif

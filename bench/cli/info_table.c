@@ -59,7 +59,7 @@ static json_t *json_table(const dif_cli_input *input, const value_summary *s)
     const dif_plan *plan = &input->table.plan;
     json_t *object = json_pack(
         "{s:s, s:s, s:s, s:f, s:f, s:i, s:i}", "kind", "table", "quantity", dif_quantity_name(input->table.quantity),
-        "fixed", plan->fixed_is_wo ? "theta_r_deg" : "theta_i_deg", "fixed_deg", dif_deg_from_rad(plan->fixed_rad),
+        "fixed_angle", plan->fixed_is_wo ? "theta_r" : "theta_i", "fixed_deg", dif_deg_from_rad(plan->fixed_rad),
         "azimuth_deg", dif_deg_from_rad(plan->azimuth_rad), "n_angle", plan->n_angle, "n_lambda", plan->n_lambda);
     json_object_set_new(object, "min", dif_json_number(s->min));
     json_object_set_new(object, "max", dif_json_number(s->max));

@@ -12,6 +12,11 @@ ln -s "$program" "$scratch/bin/diffbench"
 export PATH=$scratch/bin:$PATH LC_ALL=C
 cd "$scratch" || exit 2
 
+if [ ! -x "$program" ] || [ ! -x "$tool" ]; then
+    echo "$1 or $2 is missing"
+    exit 2
+fi
+
 n_check=0
 n_failed=0
 last=

@@ -53,8 +53,8 @@ refuses 3 'eval: none.csv: ' eval s.exr --queries none.csv
 refuses 3 'eval: none.exr: ' eval none.exr --queries q.csv
 printf 'theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm\n' >empty.csv
 refuses 3 'eval: empty.csv: ' eval s.exr --queries empty.csv
-printf 'theta_i_deg,phi_i_deg,theta_r_deg,lambda_nm\n1,2,3,500\n' >short.csv
-refuses 3 'eval: short.csv: .*phi_r_deg' eval s.exr --queries short.csv
+printf 'theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg\n1,2,3,4\n' >short.csv
+refuses 3 'eval: short.csv: .*lambda_nm' eval s.exr --queries short.csv
 for bad in 90,0,0,0,500 0,0,-95,0,500 0,0,0,0,0 0,0,0,0,-500 0,0,0,0,nan 0,0,0,0 0,0,0,0,500x inf,0,0,0,500; do
     printf 'theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm\n1,0,2,0,500\n%s\n' "$bad" >bad.csv
     refuses 3 'eval: bad.csv: .*(line|row) 3' eval s.exr --queries bad.csv

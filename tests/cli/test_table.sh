@@ -10,7 +10,7 @@ err_has 'rho of 61 angles x 7 wavelengths, average none \(by default; --average 
 err_has 'planes, .* taps, .* amplitude error at most'
 out_has '^theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm,value$'
 ok "427 rows" [ "$(rows out | wc -l)" -eq 427 ]
-for key in program version command input input_sha256 quantity unit method tol bound window sigma_um average patch_x_um \
+for key in program version command input input_sha256 quantity quantity_unit fixed_angle fixed_deg method tol bound window sigma_um average patch_x_um \
     patch_y_um pitch_x_nm index_n index_kappa azimuth_deg normalisation directions units; do
     out_has "^# $key: "
 done
@@ -43,13 +43,13 @@ ok "seven wavelengths" [ "$(json n_lambda)" -eq 7 ]
 run 0 info t.exr --json
 near "largest value of the EXR" "$(json max)" "$(rows b.csv | cut -d, -f6 | sort -g | tail -1)" 1e-6
 near "fixed angle" "$(json fixed_deg)" 75 1e-9
-ok "fixed side" [ "$(json fixed)" = theta_i_deg ]
+ok "fixed side" [ "$(json fixed_angle)" = theta_i ]
 
 # the other side fixed: reciprocity of the power
 run 0 table b.gsf --theta-r-deg 75 --angle-deg -55:-40:0.25 --lambda-nm 400:700:50 --tol 1e-9 --quantity power
 ok "reciprocal" bash -c 'paste -d, sheet <(grep -v "^#" out | tail -n +2 | cut -d, -f6) |
     awk -F, "{ d = \$1 - \$2; if (d*d > 1e-16) exit 1 }"'
-out_has '^# fixed: theta_r_deg$'
+out_has '^# fixed_angle: theta_r$'
 
 # JSON: everything on stdout, or what it was if the table went to a file
 run 0 table b.gsf "${plan[@]}" --json
@@ -57,14 +57,14 @@ near "angles" "$(json 'angle_deg#')" 61 0
 near "first angle" "$(json angle_deg.0)" -55 1e-12
 near "rows" "$(json 'value#')" 7 0
 near "first value" "$(json value.0.0)" "$(rows b.csv | head -1 | cut -d, -f6)" 1e-9
-run 0 table b.gsf "${plan[@]}" --json --out j.csv --average welch
+run 0 table b.gsf "${plan[@]}" --json --out j.csv --average welch --sigma-um 4
 ok "welch" [ "$(json provenance.average)" = welch ]
 ok "several windows" [ "$(json cost.windows)" -gt 1 ]
 ok "the file it names" [ -s "$(json out)" ]
 
 # defaults: what is not ours is averaged
 cp b.gsf other.gsf
-sed -i 's/diffbench\.fixture/somethin.fixture/' other.gsf
+sed -i 's/diffbench\.fixture/something.fixture/' other.gsf
 run 0 table other.gsf "${plan[@]}" --out o.csv
 err_has 'average welch \(by default'
 
