@@ -35,7 +35,8 @@ const char *dif_profile_name(dif_profile profile);
 /* Direction of order m, conical diffraction included: -(u, v) = (m lambda/d)(cos psi, sin psi).
  *
  * Given     wi unit, away from the surface; period_um, lambda_um > 0
- * Returns   true and the unit wo if the order propagates; false (evanescent, *wo has z = 0) otherwise */
+ * Returns   true and the unit wo if the order propagates; false (evanescent, *wo has z = 0) otherwise. An order within
+ *           1e-7 rad of grazing (cos^2 <= 1e-14, all that rounding leaves of a Rayleigh anomaly) counts as evanescent */
 bool dif_grating_direction(dif_vec3 wi, double period_um, double psi_rad, double lambda_um, int m, dif_vec3 *wo);
 
 /* Lowest and highest propagating order; false if none (wi below the plane). */
@@ -45,9 +46,9 @@ bool dif_grating_order_range(dif_vec3 wi, double period_um, double psi_rad, doub
  * m at -(u, v) = m lambda/d.
  *
  *   sine      J_m(k w H/2)^2
- *   blazed    sinc^2(m + k w H/(2 pi)) or its mirror, see the .c
+ *   blazed    sinc^2(m - k w H/(2 pi)), sinc(x) = sin(pi x)/(pi x): in reflection (w < 0) negative m are favoured
  *   lamellar  m = 0: |1 + D (e^{i k w H} - 1)|^2;   else 4 sin^2(k w H/2) sin^2(pi m D) / (pi m)^2
- *   triangle  closed form in the .c
+ *   triangle  (1/4) [sinc(a/2 - m/2) + (-1)^m sinc(a/2 + m/2)]^2,  a = k w H/pi
  *
  * Given     kw_rad_per_um  k w = 2 pi w / lambda, w <= 0 in reflection
  * Returns   |c_m|^2 in [0, 1].  Accuracy 1e-13 absolute for |m| <= 200 */

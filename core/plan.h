@@ -31,13 +31,13 @@ typedef struct dif_query {
 
 /* An in-plane scan: one angle fixed, the other (signed, in the same plane) runs, for each wavelength. */
 typedef struct dif_plan {
-    bool fixed_is_wo;    /* false: wi is fixed and wo runs; true: the reverse      */
-    double fixed_rad;    /* signed, |.| < pi/2                                      */
-    double azimuth_rad;  /* of the plane; positive angles lean towards it           */
-    int n_angle;         /* >= 1 */
-    int n_lambda;        /* >= 1 */
-    double *angle_rad;   /* angle_rad[n_angle], |.| < pi/2, owned                   */
-    double *lambda_um;   /* lambda_um[n_lambda], > 0, owned                         */
+    bool fixed_is_wo;   /* false: wi is fixed and wo runs; true: the reverse      */
+    double fixed_rad;   /* signed, |.| < pi/2                                      */
+    double azimuth_rad; /* of the plane; positive angles lean towards it           */
+    int n_angle;        /* >= 1 */
+    int n_lambda;       /* >= 1 */
+    double *angle_rad;  /* angle_rad[n_angle], |.| < pi/2, owned                   */
+    double *lambda_um;  /* lambda_um[n_lambda], > 0, owned                         */
 } dif_plan;
 
 /* A table of values over a plan: value[i_lambda * n_angle + i_angle], NaN = not measured. */
