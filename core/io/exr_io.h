@@ -3,8 +3,8 @@
 #ifndef DIF_EXR_IO_H
 #define DIF_EXR_IO_H
 
+#include "core/io/field_raw.h"
 #include "core/io/manifest.h"
-#include "core/io/raw.h"
 #include "core/io/source.h"
 
 #define DIF_EXR_PREFIX "diffbench." /* of our own attributes */

@@ -7,9 +7,9 @@
 
 #include "core/alloc.h"
 #include "core/io/exr_io.h"
+#include "core/io/field_raw.h"
 #include "core/io/file.h"
 #include "core/io/image_head.h"
-#include "core/io/raw.h"
 #include "core/io/unit.h"
 #include "core/units.h"
 
@@ -65,7 +65,7 @@ static dif_status read_raw(const dif_source *source, const dif_field_request *re
     if (dif_exr_is(source))
         return dif_exr_field_read(source, request->channel, raw, err);
     if (dif_image_is(source->data, source->n))
-        return dif_picture_read(source, raw, err);
+        return dif_image_field_read(source, raw, err);
     return dif_text_matrix_read(source, raw, err);
 }
 

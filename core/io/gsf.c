@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "core/alloc.h"
+#include "core/io/field_raw.h"
 #include "core/io/number.h"
-#include "core/io/raw.h"
 #include "core/io/unit.h"
 
 static const char MAGIC[] = "Gwyddion Simple Field 1.0\n";

@@ -67,13 +67,21 @@ dif_status dif_table_geometry_read(const dif_source *source, const char *(*look_
     return read_key_number(source, "azimuth_deg", look_up(self, "azimuth_deg"), &out->azimuth_deg, err);
 }
 
+/* Conversions round, so the text that leads back may stand for a neighbour of the number shown. */
 static size_t print_axis(double shown, double stored, double (*back)(double), char out[DIF_NUMBER_SIZE])
 {
+    double below[3] = {shown}, above[3] = {shown};
+    for (int k = 1; k < 3; k++) {
+        below[k] = nextafter(below[k - 1], -INFINITY);
+        above[k] = nextafter(above[k - 1], INFINITY);
+    }
     for (int n_digit = 15; n_digit <= 17; n_digit++) {
-        double read = 0.0;
-        const size_t n = dif_number_print(shown, n_digit, out);
-        if (dif_number_all(out, n, '.', &read) && back(read) == stored)
-            return n;
+        for (int k = 0; k < 6; k++) {
+            double read = 0.0;
+            const size_t n = dif_number_print(k % 2 ? below[k / 2] : above[k / 2], n_digit, out);
+            if (dif_number_all(out, n, '.', &read) && back(read) == stored)
+                return n;
+        }
     }
     return dif_number_print(shown, 17, out);
 }

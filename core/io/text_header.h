@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "core/io/raw.h"
+#include "core/io/field_raw.h"
 
 typedef struct dif_text_header {
     int n_comment;              /* comment lines seen                                             */

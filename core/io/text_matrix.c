@@ -3,10 +3,10 @@
 #include <string.h>
 
 #include "core/alloc.h"
+#include "core/io/field_raw.h"
 #include "core/io/number.h"
-#include "core/io/raw.h"
 #include "core/io/text_header.h"
-#include "core/io/xyz_list.h"
+#include "core/io/text_xyz.h"
 
 enum { BLANKS = ' ' }; /* separator of columns: any number of blanks and tabs */
 
@@ -300,7 +300,7 @@ static dif_status read_text(const dif_source *source, const char *text, size_t n
         return status;
     const bool says_size = !isnan(header.width_um) || !isnan(header.pitch_um) || !isnan(header.n_column);
     if (matrix->n_column == 3 && matrix->n_row > 3 && !says_size)
-        return dif_xyz_list_read(source, matrix->value, (size_t)matrix->n_row, raw, err);
+        return dif_text_xyz_read(source, matrix->value, (size_t)matrix->n_row, raw, err);
     status = dif_raw_check_size(source, matrix->n_column, matrix->n_row, err);
     if (!status)
         fill_raw(matrix, &header, raw);

@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "core/alloc.h"
+#include "core/io/field_raw.h"
 #include "core/io/image_cv.h"
 #include "core/io/image_head.h"
-#include "core/io/raw.h"
 
 /* Values of PNG text chunks; a key's text stays until four others were looked up. */
 typedef struct png_keys {
@@ -24,7 +24,7 @@ static const char *look_up(void *self, const char *key)
     return text;
 }
 
-dif_status dif_picture_read(const dif_source *source, dif_raw *raw, dif_error *err)
+dif_status dif_image_field_read(const dif_source *source, dif_raw *raw, dif_error *err)
 {
     *raw = dif_raw_empty("");
     dif_image image;

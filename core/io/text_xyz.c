@@ -1,4 +1,4 @@
-#include "core/io/xyz_list.h"
+#include "core/io/text_xyz.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -67,7 +67,7 @@ static dif_status fill(const dif_source *source, const double *point, size_t n, 
     return DIF_OK;
 }
 
-dif_status dif_xyz_list_read(const dif_source *source, const double *point, size_t n, dif_raw *raw, dif_error *err)
+dif_status dif_text_xyz_read(const dif_source *source, const double *point, size_t n, dif_raw *raw, dif_error *err)
 {
     double *sorted = dif_alloc(n, sizeof *sorted);
     if (!sorted)

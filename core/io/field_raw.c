@@ -1,4 +1,4 @@
-#include "core/io/raw.h"
+#include "core/io/field_raw.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* A heightfield as a reader finds it: the file's own numbers and what the file says of their scale.
  * field_io.c turns it into heights. Internal to core/io. */
-#ifndef DIF_RAW_H
-#define DIF_RAW_H
+#ifndef DIF_FIELD_RAW_H
+#define DIF_FIELD_RAW_H
 
 #include "core/field.h"
 #include "core/io/manifest.h"
@@ -45,7 +45,7 @@ DIF_MUST_USE dif_status dif_raw_take_gwy_keys(const dif_source *source, dif_key_
 /* Readers: one a format; *raw is empty on failure. */
 DIF_MUST_USE dif_status dif_gsf_read(const dif_source *source, dif_raw *raw, dif_error *err);
 DIF_MUST_USE dif_status dif_text_matrix_read(const dif_source *source, dif_raw *raw, dif_error *err);
-DIF_MUST_USE dif_status dif_picture_read(const dif_source *source, dif_raw *raw, dif_error *err);
+DIF_MUST_USE dif_status dif_image_field_read(const dif_source *source, dif_raw *raw, dif_error *err);
 
 /* Writers: the file's bytes in a new block, freed with dif_release. */
 DIF_MUST_USE dif_status dif_gsf_encode(const dif_field *field, const dif_manifest *manifest, unsigned char **data,
