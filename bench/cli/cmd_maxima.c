@@ -107,7 +107,8 @@ static void print_summary(const dif_cli *cli, const maxima_run *run)
     const int n_edge = count_edges(&run->maxima);
     printf("%s: %d maxima at %d wavelengths\n", cli->operand[0], run->maxima.n, run->table.plan.n_lambda);
     if (n_edge > 0)
-        printf("at %d wavelengths the largest value lies at the edge of the angles: a wider range is needed\n", n_edge);
+        printf("at %d wavelength%s the largest value lies at the edge of the angles: a wider range is needed\n", n_edge,
+               n_edge == 1 ? "" : "s");
     printf("lambda/|sin theta_i + sin theta_r| at each wavelength's largest value:\n"
            "  mean %.6g nm, standard deviation %.4g nm, from %.6g to %.6g nm, %d wavelengths\n",
            dif_nm_from_um(first->mean_um), dif_nm_from_um(first->sd_um), dif_nm_from_um(first->min_um),

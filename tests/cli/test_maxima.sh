@@ -43,7 +43,7 @@ refuses 2 'maxima: --max-residual-deg without orders, expected --period-nm' maxi
 # the largest value at the edge of the range is said to be no maximum
 grep -E '^(theta|10,0,(15|15.5|16|16.5|17|17.5),)' t.csv >edge.csv
 run 0 maxima edge.csv
-out_has '^at [23] wavelengths the largest value lies at the edge'
+out_has '^at [123] wavelengths? the largest value lies at the edge'
 
 refuses 3 'maxima: none.csv: ' maxima none.csv
 run 0 fixture flat --pixels 8 --size-um 1 --out f.gsf

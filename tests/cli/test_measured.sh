@@ -5,20 +5,21 @@ needs_data measured/xenopeltis_65um.png
 
 xeno=("$data/measured/xenopeltis_65um.png" --size-um 65 --height-um 0.81869)
 elaphe=("$data/measured/elaphe_65um.png" --size-um 65 --height-um 0.375)
-plan=(--theta-i-deg 75 --lambda-nm 380:780:4)
+plan=(--theta-i-deg 75 --lambda-nm 380:780:1)
 
-# means over all 401 wavelengths are 1436.6, 1553.3 and 1126.8 nm; every fourth is close to them
+# the figures that direct sums in extended precision gave
 measure()
 {
-    local name=$1 azimuth=$2 range=$3 want=$4 tol=$5
-    shift 5
-    run 0 table "$@" "${plan[@]}" --azimuth-deg $azimuth --angle-deg $range --average none --out $name.csv --quiet
-    run 0 maxima $name.csv --json
-    near "$name at azimuth $azimuth" "$(json first_order.mean_nm)" $want $tol
+    local name=$1 azimuth=$2 range=$3 want=$4
+    shift 4
+    run 0 table "$@" "${plan[@]}" --azimuth-deg $azimuth --angle-deg $range --average none --quantity power \
+        --out $name.exr --quiet
+    run 0 maxima $name.exr --json
+    near "$name at azimuth $azimuth" "$(json first_order.mean_nm)" $want 0.1
 }
-measure x90 90 -50:-25:0.01 1436.6 1 "${xeno[@]}"
-measure x270 270 -50:-25:0.01 1553.3 1.5 "${xeno[@]}"
-measure e180 180 -40:-15:0.01 1126.8 1 "${elaphe[@]}"
+measure x90 90 -50:-25:0.01 1436.6 "${xeno[@]}"
+measure x270 270 -50:-25:0.01 1553.3 "${xeno[@]}"
+measure e180 180 -40:-15:0.01 1126.8 "${elaphe[@]}"
 
 run 0 table "${xeno[@]}" "${plan[@]}" --azimuth-deg 90 --angle-deg -50:-25:0.05 --out w.csv
 err_has '8.bit'
