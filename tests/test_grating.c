@@ -226,8 +226,9 @@ static void test_power__orders_sum_to_one(void **state)
         const double a = test_random(&random, -25.0, 0.0);
         for (int p = 0; p < 4; p++) {
             const dif_grating grating = {PROFILES[p], 1.0, 1.0, test_random(&random, 0.1, 0.9), 0.0};
+            const int m_max = PROFILES[p] == DIF_PROFILE_SINE ? 200 : 20000; /* J_m(12.5) is gone long before */
             double sum = 0.0;
-            for (int m = -20000; m <= 20000; m++)
+            for (int m = -m_max; m <= m_max; m++)
                 sum += dif_grating_power(&grating, m, a);
             const bool walls = PROFILES[p] == DIF_PROFILE_BLAZED || PROFILES[p] == DIF_PROFILE_LAMELLAR;
             assert_at_most(sum, 1.0 + 1e-12);
