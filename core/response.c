@@ -15,6 +15,17 @@ typedef struct dif_place {
     double offset;
 } dif_place;
 
+/* Where kappa falls on an axis. */
+DIF_INLINE dif_place place_on(const dif_axis *axis, double inv_step, double kappa)
+{
+    double at = kappa * inv_step;
+    if (axis->period)
+        at -= axis->period * nearbyint(at / axis->period);
+    at -= axis->first;
+    const double first = ceil(at - 0.5 * axis->kernel.width);
+    return (dif_place){(int)first, at - first - 0.5 * (axis->kernel.width - 1)};
+}
+
 #define DIF_REAL    float
 #define DIF_LZ      8
 #define DIF_NAME(x) f8_##x
@@ -34,17 +45,6 @@ typedef struct dif_place {
 #define DIF_LZ      16
 #define DIF_NAME(x) d16_##x
 #include "core/response_taps.h"
-
-/* Where kappa falls on an axis. */
-DIF_INLINE dif_place place_on(const dif_axis *axis, double inv_step, double kappa)
-{
-    double at = kappa * inv_step;
-    if (axis->period)
-        at -= axis->period * nearbyint(at / axis->period);
-    at -= axis->first;
-    const double first = ceil(at - 0.5 * axis->kernel.width);
-    return (dif_place){(int)first, at - first - 0.5 * (axis->kernel.width - 1)};
-}
 
 static inline bool inside(const dif_axis *axis, const dif_place *place)
 {
@@ -176,4 +176,25 @@ void dif_response_volume(const dif_sheet *sheet, size_t n, const dif_vec3 *kappa
     }
     for (size_t i = 0; i < n; i++)
         turn(kappa[i].x * sheet->s.shift_um + kappa[i].y * sheet->y.shift_um + kappa[i].z * sheet->mid_um, amp[i]);
+}
+
+void dif_response_volume_grid(const dif_sheet *sheet, int nx, const double *kx, int ny, const double *ky,
+                              const double *kz, size_t kz_stride, float *power, size_t power_stride)
+{
+    dif_place x[DIF_RESPONSE_GRID], y[DIF_RESPONSE_GRID];
+    const double inv_x = 1.0 / sheet->s.step, inv_y = 1.0 / sheet->y.step;
+    assert(sheet->basis == DIF_BASIS_WAVES && nx <= DIF_RESPONSE_GRID && ny <= DIF_RESPONSE_GRID);
+    for (int i = 0; i < nx; i++) {
+        x[i] = place_on(&sheet->s, inv_x, kx[i]);
+        assert(inside(&sheet->s, x + i));
+    }
+    for (int j = 0; j < ny; j++) {
+        y[j] = place_on(&sheet->y, inv_y, ky[j]);
+        assert(inside(&sheet->y, y + j));
+    }
+    const bool wide = sheet->z.kernel.width > 8;
+    if (sheet->info.single)
+        (wide ? f16_grid : f8_grid)(sheet, sheet->coef_f, nx, x, ny, y, kz, kz_stride, power, power_stride);
+    else
+        (wide ? d16_grid : d8_grid)(sheet, sheet->coef_d, nx, x, ny, y, kz, kz_stride, power, power_stride);
 }

@@ -27,6 +27,17 @@ void dif_response_line_power(const dif_sheet *sheet, double k_rad_per_um, size_t
 /* Amplitudes of a volume sheet at kappa[n], rad/um, kappa.z <= 0. */
 void dif_response_volume(const dif_sheet *sheet, size_t n, const dif_vec3 *kappa, double (*amp)[2]);
 
+enum { DIF_RESPONSE_GRID = 64 };
+
+/* Powers |P / sum W|^2 of a volume sheet over a rectangle of lateral points; the taps of each row and column are made
+ * once. Only for DIF_BASIS_WAVES.
+ *
+ * Given     kx[nx], ky[ny]  rad/um, nx, ny <= DIF_RESPONSE_GRID
+ *           kz[ny][kz_stride]  -kappa_z >= 0; a negative one marks a point that is not wanted
+ * Gives     power[ny][power_stride], 0 where not wanted */
+void dif_response_volume_grid(const dif_sheet *sheet, int nx, const double *kx, int ny, const double *ky,
+                              const double *kz, size_t kz_stride, float *power, size_t power_stride);
+
 #ifdef __cplusplus
 }
 #endif

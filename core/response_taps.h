@@ -110,6 +110,60 @@ DIF_CLONES static void DIF_NAME(volume_points)(const dif_sheet *sheet, const DIF
     }
 }
 
+/* A row of a rectangle: the x taps of each point and the y taps of the row are given; kz < 0 marks no point. */
+DIF_CLONES static void DIF_NAME(grid_row)(const dif_sheet *sheet, const DIF_REAL *coef, int n, const dif_place *x,
+                                          const DIF_REAL *tap_x, int y_first, const DIF_REAL *tap_y, const double *kz,
+                                          float *power)
+{
+    const double inv_z = 1.0 / sheet->z.step;
+    const size_t step_y = 2 * (size_t)sheet->stride, step_x = step_y * (size_t)sheet->y.n;
+    const int width_x = sheet->s.kernel.width, width_y = sheet->y.kernel.width;
+    for (int i = 0; i < n; i++) {
+        if (kz[i] < 0.0) {
+            power[i] = 0.0f;
+            continue;
+        }
+        DIF_REAL tap_z[DIF_SHEET_TAPS], re, im;
+        const dif_place z = place_on(&sheet->z, inv_z, kz[i]);
+        DIF_NAME(taps)(coef, sheet->degree, 2, (DIF_REAL)z.offset, tap_z);
+        const DIF_REAL *column = (const DIF_REAL *)sheet->planes + step_x * (size_t)x[i].first +
+                                 step_y * (size_t)y_first + 2 * (size_t)z.first;
+        DIF_NAME(vec) acc[DIF_NAME(ROW_VECS)] = {0};
+        for (int a = 0; a < width_x; a++, column += step_x) {
+            const DIF_REAL *row = column;
+            DIF_NAME(vec) line[DIF_NAME(ROW_VECS)] = {0};
+            for (int b = 0; b < width_y; b++, row += step_y)
+                for (int v = 0; v < DIF_NAME(ROW_VECS); v++)
+                    line[v] += tap_y[b] * *(const DIF_NAME(view) *)(row + v * DIF_NAME(LANES));
+            for (int v = 0; v < DIF_NAME(ROW_VECS); v++)
+                acc[v] += tap_x[i * DIF_SHEET_TAPS + a] * line[v];
+        }
+        DIF_NAME(contract)(acc, tap_z, &re, &im);
+        power[i] = (float)(re * re + im * im);
+    }
+}
+
+/* Taps of all points of one axis: tap[n][DIF_SHEET_TAPS]. */
+DIF_CLONES static void DIF_NAME(axis_taps)(const dif_sheet *sheet, const DIF_REAL *coef, int axis, int n,
+                                           const dif_place *place, DIF_REAL *tap)
+{
+    for (int i = 0; i < n; i++)
+        DIF_NAME(taps)(coef, sheet->degree, axis, (DIF_REAL)place[i].offset, tap + i * DIF_SHEET_TAPS);
+}
+
+/* A rectangle of at most DIF_RESPONSE_GRID points a side. */
+static void DIF_NAME(grid)(const dif_sheet *sheet, const DIF_REAL *coef, int nx, const dif_place *x, int ny,
+                           const dif_place *y, const double *kz, size_t kz_stride, float *power, size_t power_stride)
+{
+    DIF_REAL tap_x[DIF_RESPONSE_GRID * DIF_SHEET_TAPS], tap_y[DIF_RESPONSE_GRID * DIF_SHEET_TAPS];
+    DIF_NAME(axis_taps)(sheet, coef, 0, nx, x, tap_x);
+    DIF_NAME(axis_taps)(sheet, coef, 1, ny, y, tap_y);
+    for (int j = 0; j < ny; j++)
+        DIF_NAME(grid_row)
+        (sheet, coef, nx, x, tap_x, y[j].first, tap_y + j * DIF_SHEET_TAPS, kz + (size_t)j * kz_stride,
+         power + (size_t)j * power_stride);
+}
+
 #undef DIF_REAL
 #undef DIF_LZ
 #undef DIF_NAME
