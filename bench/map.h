@@ -1,0 +1,42 @@
+/* BRDF maps: every outgoing direction in direction-cosine space for one incident direction (or the reverse), as colour
+ * and, if wanted, as spectral layers.
+ * Does not: open files, draw. */
+#ifndef DIF_MAP_H
+#define DIF_MAP_H
+
+#include "bench/measure.h"
+
+enum { DIF_MAP_PIXEL_MIN = 16, DIF_MAP_PIXEL_MAX = 4096 };
+
+typedef struct dif_map_plan {
+    bool fixed_is_wo;        /* false: wi is fixed and the map shows wo; true: the reverse                 */
+    dif_vec3 fixed;          /* unit, z > 0                                                                */
+    int n_pixel;             /* pixels across the unit disc, DIF_MAP_PIXEL_MIN ... DIF_MAP_PIXEL_MAX       */
+    int n_lambda;            /* >= 1                                                                       */
+    const double *lambda_um; /* ascending; borrowed                                                     */
+    bool keep_layers;        /* also keep the value at each wavelength                                     */
+} dif_map_plan;
+
+/* Row 0 at the top (y up), x to the right: pixel (ix, iy) looks along
+ *   x = (2 ix + 1) / n - 1,  y = 1 - (2 iy + 1) / n;  outside the unit disc everything is 0. */
+typedef struct dif_map {
+    int n_pixel, n_lambda;
+    float *xyz;   /* xyz[n_pixel * n_pixel][3], the spectrum of the quantity under D65 (core/spectrum.h), owned */
+    float *layer; /* layer[n_lambda][n_pixel * n_pixel] or NULL, owned                                         */
+} dif_map;
+
+/* Measures a map.
+ *
+ * Given     tol  wanted |amplitude error| / sum W, as for tables
+ *           opts method must be DIF_METHOD_SHEET or DIF_METHOD_DIRECT
+ * Status    DIF_ERR_ARG, DIF_ERR_TOL, DIF_ERR_SIZE, DIF_ERR_NOMEM, DIF_ERR_FOREIGN; *out zeroed on failure
+ * Owns      the caller frees with dif_map_free */
+DIF_MUST_USE dif_status dif_map_measure(const dif_field *field, const dif_map_plan *plan, double tol,
+                                        const dif_measure_opts *opts, dif_map *out, dif_measure_stats *stats,
+                                        dif_error *err);
+void dif_map_free(dif_map *map);
+
+/* The direction that pixel (ix, iy) looks along; false outside the disc. */
+bool dif_map_direction(int n_pixel, int ix, int iy, dif_vec3 *out);
+
+#endif
