@@ -25,7 +25,7 @@ static dif_status residual_range(const dif_columns *maxima, dif_figure_notes *no
             size[n++] = fabs(row[DIF_MAXIMA_RESIDUAL_DEG]);
     }
     qsort(size, (size_t)n, sizeof(double), by_size);
-    *range = n ? 1.5 * size[(int)(0.97 * (n - 1))] + 1e-9 : 1.0;
+    *range = n ? 1.5 * size[(int)ceil(0.97 * (n - 1))] + 1e-9 : 1.0;
     notes->n_residual = n;
     notes->n_far = 0;
     for (int i = 0; i < n; i++)
@@ -71,7 +71,7 @@ dif_status dif_figure_residuals(const dif_result *result, const char *prefix, FI
                                 dif_error *err)
 {
     FILE *script;
-    double range;
+    double range = 1.0;
     dif_status status = residual_range(&result->maxima, notes, &range, err);
     if (status == DIF_OK)
         status = dif_plot_open(1080, 360, &script, err);
@@ -140,7 +140,7 @@ dif_status dif_figure_lines(const dif_result *result, const char *prefix, FILE *
             high = fmax(high, row[DIF_LINES_POWER_MEAN]);
         }
     }
-    fputs("nan nan\nEOD\n", script);
+    fputs(high > 0.0 ? "EOD\n" : "0 1\nEOD\nset label 'no power anywhere' at graph 0.5, 0.5 center\n", script);
     if (dif_result_true(result->doc, "fit_table.ok"))
         write_ridges(result, script);
     high = high > 0.0 ? high : 1.0;

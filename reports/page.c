@@ -147,7 +147,7 @@ void dif_page_provenance(FILE *html, const json_t *provenance)
         dif_html_text(html, key);
         fputs("</th><td>", html);
         if (json_is_number(value)) {
-            dif_html_number(json_number_value(value), 9, "", number);
+            dif_html_plain(json_number_value(value), "", number);
             dif_html_text(html, number);
         } else {
             dif_html_text(html, json_is_string(value) ? json_string_value(value) : "–");

@@ -32,7 +32,8 @@ void dif_part_accuracy(FILE *html, const json_t *doc)
     fputs("<tr class=\"strong\"><th>Largest error found against the direct sum</th><td class=\"n\">", html);
     number(html, dif_result_number(check, "worst_amplitude"), 2, "");
     fputs("</td></tr>\n</tbody></table>\n<p>Direct sum in double precision at ", html);
-    fprintf(html, "%.0f random cells. The worst lies at ", dif_result_number(check, "n_sample"));
+    number(html, dif_result_number(check, "n_sample"), 0, "");
+    fputs(" random cells. The worst lies at ", html);
     number(html, dif_result_number(check, "worst_angle_deg"), 5, "°");
     fputs(", ", html);
     number(html, dif_result_number(check, "worst_lambda_nm"), 5, "nm");

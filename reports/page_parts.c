@@ -21,6 +21,14 @@ static void cell_whole(FILE *html, double value)
     fprintf(html, "<td class=\"n\">%s</td>", text);
 }
 
+/* "before N after", a dash for what is not there. */
+static void say_count(FILE *html, const char *before, double value, const char *after)
+{
+    char text[DIF_HTML_NUMBER_SIZE];
+    dif_html_plain(value, "", text);
+    fprintf(html, "%s%s%s", before, text, after);
+}
+
 static void cell_uncertain(FILE *html, double value, double uncertainty, const char *unit)
 {
     char text[DIF_HTML_NUMBER_SIZE];
@@ -52,8 +60,8 @@ static void range_row(FILE *html, const char *label, const json_t *doc, const ch
         dif_html_plain(dif_result_number(doc, path), i ? unit : "", number[i]);
     }
     snprintf(path, sizeof path, "plan.n_%s", strncmp(name, "angle", 5) == 0 ? "angle" : "lambda");
-    fprintf(html, "<tr><th>%s</th><td>%s … %s, every %s (%.0f)</td></tr>\n", label, number[0], number[1], number[2],
-            dif_result_number(doc, path));
+    fprintf(html, "<tr><th>%s</th><td>%s … %s, every %s", label, number[0], number[1], number[2]);
+    say_count(html, " (", dif_result_number(doc, path), ")</td></tr>\n");
 }
 
 static void write_surface_facts(FILE *html, const json_t *doc)
@@ -129,10 +137,9 @@ static void write_first_order_row(FILE *html, const json_t *doc)
     const json_t *first = dif_result_at(doc, "maxima.first_order");
     if (!json_is_object(first))
         return;
-    fprintf(html,
-            "<tr><td>Mean of |m|λ/|sin θ<sub>i</sub> + sin θ<sub>r</sub>| at each wavelength’s largest value "
-            "(%.0f), with m = %.0f</td>",
-            dif_result_number(first, "n"), dif_result_number(first, "order"));
+    fputs("<tr><td>Mean of |m|λ/|sin θ<sub>i</sub> + sin θ<sub>r</sub>| at each wavelength’s largest value", html);
+    say_count(html, " (", dif_result_number(first, "n"), ")");
+    say_count(html, ", with m = ", dif_result_number(first, "order"), "</td>");
     const double period = dif_result_number(first, "mean_nm"), sd = dif_result_number(first, "sd_nm");
     cell(html, period, 6, "nm");
     fputs("<td class=\"n\">–</td>", html);
@@ -164,22 +171,21 @@ void dif_part_periods(FILE *html, const json_t *doc)
     fputs("</tbody><caption>", html);
     if (dif_result_true(doc, "fit_table.ok")) {
         dif_html_number(dif_result_number(doc, "fit_table.residual_share"), 2, "", text);
-        fprintf(html,
-                "Ridge model: %.0f data, %.0f parameters, %.0f ridges, %.0f iterations; residual rms %s of the data’s "
-                "rms, recomputed outside the solver; scatter over %.0f bands of wavelength. ",
-                dif_result_number(doc, "fit_table.n_data"), dif_result_number(doc, "fit_table.n_parameter"),
-                dif_result_number(doc, "fit_table.n_ridge"), dif_result_number(doc, "fit_table.n_iteration"), text,
-                dif_result_number(doc, "fit_table.n_part"));
+        say_count(html, "Ridge model: ", dif_result_number(doc, "fit_table.n_data"), " data, ");
+        say_count(html, "", dif_result_number(doc, "fit_table.n_parameter"), " parameters, ridges: ");
+        say_count(html, "", dif_result_number(doc, "fit_table.n_ridge"), ", ");
+        say_count(html, "", dif_result_number(doc, "fit_table.n_iteration"), " iterations; residual rms ");
+        fprintf(html, "%s of the data’s rms, recomputed outside the solver; ", text);
+        say_count(html, "scatter over ", dif_result_number(doc, "fit_table.n_part"), " bands of wavelength. ");
     }
     if (dif_result_true(doc, "fit_surface.ok")) {
-        dif_html_number(dif_result_number(doc, "fit_surface.residual_rms_nm"), 3, "nm", text);
-        fprintf(html, "Harmonic model: %.0f harmonics, groove normal at ",
-                dif_result_number(doc, "fit_surface.n_harmonic"));
-        char angle[DIF_HTML_NUMBER_SIZE];
         dif_html_uncertain(dif_result_number(doc, "fit_surface.psi_deg"),
-                           dif_result_number(doc, "fit_surface.u_psi_deg"), "°", angle);
-        fprintf(html, "%s, residual rms %s; scatter over %.0f bands of the scan. ", angle, text,
-                dif_result_number(doc, "fit_surface.n_part"));
+                           dif_result_number(doc, "fit_surface.u_psi_deg"), "°", text);
+        say_count(html, "Harmonic model, order ", dif_result_number(doc, "fit_surface.n_harmonic"), "");
+        fprintf(html, ": groove normal at %s, residual rms ", text);
+        dif_html_number(dif_result_number(doc, "fit_surface.residual_rms_nm"), 3, "nm", text);
+        fputs(text, html);
+        say_count(html, "; scatter over ", dif_result_number(doc, "fit_surface.n_part"), " bands of the scan. ");
     }
     fputs("The stated uncertainty is the larger of the two.</caption></table>\n", html);
 }
@@ -199,7 +205,7 @@ void dif_part_orders(FILE *html, const json_t *doc)
     {
         fputs("<tr>", html);
         cell_whole(html, dif_result_number(order, "order"));
-        fprintf(html, "<td class=\"n\">%.0f</td>", dif_result_number(order, "n"));
+        cell_whole(html, dif_result_number(order, "n"));
         cell(html, dif_result_number(order, "mean_deg"), 3, "°");
         cell(html, dif_result_number(order, "rms_deg"), 3, "°");
         cell(html, dif_result_number(order, "worst_deg"), 3, "°");

@@ -1,0 +1,331 @@
+#define _DEFAULT_SOURCE /* mkdtemp */
+
+#include "report_files.h"
+
+#include <ctype.h>
+
+#include "reports/report.h"
+
+static char folder[64];
+
+static int make_folder(void **state)
+{
+    (void)state;
+    report_folder(folder);
+    return 0;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    report_folder_remove(folder);
+    return 0;
+}
+
+static void build(void)
+{
+    dif_error err = {0};
+    if (dif_report_build(folder, &err) != DIF_OK)
+        fail_msg("%s", err.text);
+}
+
+static bool is_void(const char *name)
+{
+    static const char *const names[] = {"meta", "br"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (strcmp(name, names[i]) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Reads a tag's name at *at (behind '<' or '</'); moves behind its '>'; true if the tag closes itself. */
+static bool read_tag(const char **at, char name[32])
+{
+    size_t n = 0;
+    while (isalnum((unsigned char)**at) && n < 31)
+        name[n++] = *(*at)++;
+    name[n] = '\0';
+    char quote = '\0';
+    for (; **at && (quote || **at != '>'); (*at)++) {
+        if (quote)
+            quote = **at == quote ? '\0' : quote;
+        else if (**at == '"' || **at == '\'')
+            quote = **at;
+        else if (**at == '<')
+            fail_msg("'<' inside a tag: %.60s", *at);
+    }
+    if (**at != '>')
+        fail_msg("a tag does not end");
+    (*at)++;
+    return (*at)[-2] == '/';
+}
+
+/* Every element is closed in order, every '&' begins a character reference. */
+static void assert_well_formed(const char *page)
+{
+    char stack[64][32], name[32];
+    int depth = 0;
+    assert_int_equal(strncmp(page, "<!DOCTYPE html>\n", 16), 0);
+    for (const char *at = page + 16; *at;) {
+        if (*at == '&') {
+            const size_t n = strspn(at + 1, "#abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789");
+            if (n == 0 || at[1 + n] != ';')
+                fail_msg("a bare '&': %.40s", at);
+            at += n + 2;
+        } else if (*at != '<') {
+            at++;
+        } else if (at[1] == '/') {
+            at += 2;
+            read_tag(&at, name);
+            if (depth == 0 || strcmp(stack[depth - 1], name) != 0)
+                fail_msg("</%s> closes <%s>", name, depth ? stack[depth - 1] : "nothing");
+            depth--;
+        } else {
+            at++;
+            const bool closed = read_tag(&at, name);
+            if (!*name)
+                fail_msg("a bare '<': %.40s", at);
+            if (!closed && !is_void(name)) {
+                assert_in_range(depth, 0, 63);
+                memcpy(stack[depth++], name, sizeof name);
+            }
+        }
+    }
+    assert_int_equal(depth, 0);
+}
+
+static void test_build__page_is_well_formed(void **state)
+{
+    (void)state;
+    build();
+    char *page = report_read(folder, "index.html");
+    assert_well_formed(page);
+    dif_release(page);
+}
+
+static void test_build__page_needs_no_other_file(void **state)
+{
+    (void)state;
+    build();
+    char *page = report_read(folder, "index.html");
+    static const char *const foreign[] = {"http:", "https:",  "//",      "<script", "<link",
+                                          "<img",  "<iframe", "@import", " src="};
+    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++) {
+        /* base64 may hold any letters, so only what stands outside the pictures counts */
+        for (const char *at = page; (at = strstr(at, foreign[i])); at++) {
+            const char *line = at;
+            while (line > page && line[-1] != '\n')
+                line--;
+            if (!strstr(line, "base64,") || strstr(line, "base64,") > at)
+                fail_msg("%s in: %.80s", foreign[i], line);
+        }
+    }
+    for (const char *at = page; (at = strstr(at, "href=")); at += 5)
+        assert_true(at[6] == '#' || strncmp(at + 6, "data:image/png;base64,", 22) == 0);
+    for (const char *at = page; (at = strstr(at, "url(")); at += 4)
+        assert_int_equal(at[4], '#');
+    dif_release(page);
+}
+
+static void test_build__markup_in_texts_is_escaped(void **state)
+{
+    (void)state;
+    build();
+    char *page = report_read(folder, "index.html");
+    assert_non_null(strstr(page, "&lt;script&gt;alert(&quot;1&quot;)&lt;/script&gt; &amp; &#39;grating&#39;"));
+    assert_non_null(strstr(page, "<title>Report &lt;1&gt; &amp; more</title>"));
+    assert_non_null(strstr(page, "&lt;b&gt;made&lt;/b&gt; &amp; measured"));
+    assert_non_null(strstr(page, "nothing &lt;periodic&gt; in it"));
+    assert_non_null(strstr(page, "d/lambda &lt; 2"));
+    assert_null(strstr(page, "<script"));
+    dif_release(page);
+}
+
+static void test_build__every_section_is_there_and_linked(void **state)
+{
+    (void)state;
+    build();
+    char *page = report_read(folder, "index.html");
+    static const char *const ids[] = {"summary",       "contents",    "s1",          "s1-surface", "s1-table",
+                                      "s1-period",     "s1-lines",    "s1-accuracy", "s1-energy",  "s1-trust",
+                                      "s1-provenance", "conventions", "provenance"};
+    char text[64];
+    for (size_t i = 0; i < sizeof ids / sizeof *ids; i++) {
+        snprintf(text, sizeof text, "id=\"%s\"", ids[i]);
+        if (!strstr(page, text))
+            fail_msg("no section %s", ids[i]);
+    }
+    int n_svg = 0, n_link = 0;
+    for (const char *at = page; (at = strstr(at, "<svg ")); at++)
+        n_svg++;
+    assert_int_equal(n_svg, 5);
+    for (const char *at = page; (at = strstr(at, "<a href=\"#")); at += 10) {
+        snprintf(text, sizeof text, "id=\"%.*s\"", (int)strcspn(at + 10, "\""), at + 10);
+        if (!strstr(page, text))
+            fail_msg("a link to nowhere: %s", text);
+        n_link++;
+    }
+    assert_int_equal(n_link, 12);
+    dif_release(page);
+}
+
+static void test_build__ids_are_unique(void **state)
+{
+    (void)state;
+    report_write_text(folder, "results.json",
+                      "{\"schema\": \"" DIF_RESULT_LIST_SCHEMA "\", \"title\": \"two\", \"provenance\": {},"
+                      " \"surfaces\": [\"a.json\", \"a.json\"]}");
+    build();
+    char *page = report_read(folder, "index.html");
+    int n = 0;
+    for (const char *at = page; (at = strstr(at, " id=")); at += 4, n++) {
+        char id[80];
+        snprintf(id, sizeof id, "%.*s", (int)(strcspn(at + 5, "'\"") + 6), at);
+        const char *again = strstr(at + 4, id);
+        if (again)
+            fail_msg("twice:%s", id);
+    }
+    assert_in_range(n, 100, 400);
+    dif_release(page);
+}
+
+static void test_build__numbers_are_those_of_the_files(void **state)
+{
+    (void)state;
+    build();
+    char *page = report_read(folder, "index.html");
+    static const char *const numbers[] = {"2500.003 ± 0.012 nm",
+                                          "2500 nm",
+                                          "✓ pass",
+                                          "✗ fail",
+                                          "4.6 × 10⁻⁸",
+                                          "6.1 × 10⁻⁷",
+                                          "no reference",
+                                          "500 ms",
+                                          "nothing",
+                                          "1.0010",
+                                          "0.500 %",
+                                          "75°",
+                                          "0.0040 nm"};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        if (!strstr(page, numbers[i]))
+            fail_msg("\"%s\" is not on the page", numbers[i]);
+    }
+    dif_release(page);
+}
+
+static void test_build__without_timings_no_time_section(void **state)
+{
+    (void)state;
+    json_t *doc = report_doc();
+    json_object_del(doc, "timings");
+    report_write_doc(folder, "a.json", doc);
+    json_decref(doc);
+    build();
+    char *page = report_read(folder, "index.html");
+    assert_null(strstr(page, "<h3>Time</h3>"));
+    assert_well_formed(page);
+    dif_release(page);
+}
+
+static void test_build__json_holds_the_same(void **state)
+{
+    (void)state;
+    build();
+    char *text = report_read(folder, "report.json");
+    json_error_t why;
+    json_t *report = json_loads(text, JSON_REJECT_DUPLICATES, &why), *doc = report_doc();
+    if (!report)
+        fail_msg("line %d: %s", why.line, why.text);
+    assert_string_equal(dif_result_text(report, "schema"), "diffbench report 1");
+    assert_true(json_equal(json_array_get(dif_result_at(report, "surfaces"), 0), doc));
+    json_decref(report);
+    json_decref(doc);
+    dif_release(text);
+}
+
+static void test_build__again_gives_the_same_bytes(void **state)
+{
+    (void)state;
+    build();
+    char *page = report_read(folder, "index.html"), *json = report_read(folder, "report.json");
+    build();
+    char *page_again = report_read(folder, "index.html"), *json_again = report_read(folder, "report.json");
+    assert_string_equal(page, page_again);
+    assert_string_equal(json, json_again);
+    dif_release(page);
+    dif_release(json);
+    dif_release(page_again);
+    dif_release(json_again);
+}
+
+/* Building fails so, and what stood there stays. */
+static void assert_build_fails(dif_status want, const char *part)
+{
+    dif_error err = {0};
+    report_write_text(folder, "index.html", "old page");
+    report_write_text(folder, "report.json", "old json");
+    assert_int_equal(dif_report_build(folder, &err), want);
+    if (!strstr(err.text, part) || strchr(err.text, '\n'))
+        fail_msg("got \"%s\", want \"...%s...\"", err.text, part);
+    char *page = report_read(folder, "index.html"), *json = report_read(folder, "report.json");
+    assert_string_equal(page, "old page");
+    assert_string_equal(json, "old json");
+    dif_release(page);
+    dif_release(json);
+}
+
+static void test_build__broken_files_leave_the_old_page(void **state)
+{
+    (void)state;
+    report_write_text(folder, "a.maxima.csv", "garbage\n");
+    assert_build_fails(DIF_ERR_FORMAT, "a.maxima.csv: line 1: want the columns");
+    char path[128];
+    snprintf(path, sizeof path, "%s/a.maxima.csv", folder);
+    assert_int_equal(unlink(path), 0);
+    assert_build_fails(DIF_ERR_IO, "a.maxima.csv");
+    report_write_text(folder, "a.json", "{");
+    assert_build_fails(DIF_ERR_FORMAT, "a.json: line 1: ");
+    report_write_text(folder, "results.json", "nothing");
+    assert_build_fails(DIF_ERR_FORMAT, "results.json: line 1: ");
+}
+
+static void test_build__no_gnuplot_is_a_missing_resource(void **state)
+{
+    (void)state;
+    char *path = strdup(getenv("PATH"));
+    assert_int_equal(setenv("PATH", "/nonexistent", 1), 0);
+    assert_build_fails(DIF_ERR_RESOURCE, "install the package gnuplot-nox");
+    assert_int_equal(setenv("PATH", path, 1), 0);
+    free(path);
+}
+
+static void test_build__no_folder(void **state)
+{
+    (void)state;
+    dif_error err = {0};
+    assert_int_equal(dif_report_build("/nonexistent/folder", &err), DIF_ERR_IO);
+    assert_non_null(strstr(err.text, "/nonexistent/folder/results.json"));
+}
+
+#define FOLDER_TEST(function) cmocka_unit_test_setup_teardown(function, make_folder, remove_folder)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        FOLDER_TEST(test_build__page_is_well_formed),
+        FOLDER_TEST(test_build__page_needs_no_other_file),
+        FOLDER_TEST(test_build__markup_in_texts_is_escaped),
+        FOLDER_TEST(test_build__every_section_is_there_and_linked),
+        FOLDER_TEST(test_build__ids_are_unique),
+        FOLDER_TEST(test_build__numbers_are_those_of_the_files),
+        FOLDER_TEST(test_build__without_timings_no_time_section),
+        FOLDER_TEST(test_build__json_holds_the_same),
+        FOLDER_TEST(test_build__again_gives_the_same_bytes),
+        FOLDER_TEST(test_build__broken_files_leave_the_old_page),
+        FOLDER_TEST(test_build__no_gnuplot_is_a_missing_resource),
+        cmocka_unit_test(test_build__no_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
