@@ -58,8 +58,6 @@ void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quant
     const dif_opt for_table[] = {
         {"quantity", DIF_OPT_CHOICE, &measure->quantity, "power|rho|brdf", NULL,
          "power: |P/sum W|^2; rho: relative BRDF (default); brdf: absolute, sr^-1", NULL},
-        {"check", DIF_OPT_INT, &measure->n_check, "[1, 1000000]", "N",
-         "measure the error on N random cells against the direct sum; exit 1 if it exceeds --tol", NULL},
     };
     const dif_opt opts[] = {
         {"Measurement", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
@@ -76,6 +74,8 @@ void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quant
          "none: one window at the centre, one speckle realisation; welch: |P|^2 averaged over windows tiled over the "
          "patch, the expectation. Default: none for surfaces that `diffbench fixture` made, welch for all others",
          NULL},
+        {"check", DIF_OPT_INT, &measure->n_check, "[1, 1000000]", "N",
+         "measure the error on N random samples against the direct sum; exit 1 if it exceeds --tol", NULL},
         {"n", DIF_OPT_REAL, &measure->index_n, "(0, inf)", "N", "refractive index of the sample (default 1.5)", NULL},
         {"kappa", DIF_OPT_REAL, &measure->index_kappa, "[0, inf)", "K", "its extinction (default 0)", NULL},
     };

@@ -43,7 +43,7 @@ typedef struct dif_cli_measure {
 
 dif_cli_measure dif_cli_measure_default(void);
 
-/* Adds the measurement options; `with_quantity` also --quantity and --check, which only tables have. */
+/* Adds the measurement options; `with_quantity` also --quantity, which only tables have. */
 void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quantity);
 
 /* The options of bench/measure.h for a surface. */

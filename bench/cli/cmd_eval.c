@@ -50,6 +50,9 @@ typedef struct eval_run {
     dif_sample *sample;
     dif_measure_opts opts;
     dif_measure_stats stats;
+    int n_checked;
+    double worst_error; /* of the amplitude, on the checked queries */
+    size_t worst_at;
 } eval_run;
 
 static void run_free(eval_run *run)
@@ -108,6 +111,62 @@ static dif_status measure(const dif_cli *cli, const eval_args *args, eval_run *r
     return status ? status : dif_cli_manifest_measure(&run->manifest, args->measure.tol, &run->opts, &run->stats, err);
 }
 
+/* |amplitude error|, or that of its modulus where windows were averaged. */
+static double error_of(const dif_sample *got, const dif_sample *want)
+{
+    if (isnan(got->amp_re))
+        return fabs(sqrt(got->power) - sqrt(want->power));
+    return hypot(got->amp_re - want->amp_re, got->amp_im - want->amp_im);
+}
+
+/* Measures some queries, spread by a golden-section stride, by the direct sum. */
+static dif_status check(const eval_args *args, eval_run *run, dif_error *err)
+{
+    static const double golden = 0.6180339887498949;
+    const size_t n_wanted = (size_t)args->measure.n_check, n = n_wanted < run->n ? n_wanted : run->n;
+    dif_measure_opts opts = run->opts;
+    opts.method = DIF_METHOD_DIRECT;
+    for (size_t i = 0; i < n; i++) {
+        const double turn = (double)i * golden;
+        const size_t at = n == run->n ? i : (size_t)((turn - floor(turn)) * (double)run->n);
+        dif_sample direct;
+        dif_measure_stats stats;
+        const dif_status status =
+            dif_measure_queries(&run->file.field, 1, &run->query[at], args->measure.tol, &opts, &direct, &stats, err);
+        if (status)
+            return status;
+        const double error = error_of(&run->sample[at], &direct);
+        if (!(error <= run->worst_error)) {
+            run->worst_error = error;
+            run->worst_at = at;
+        }
+        run->n_checked++;
+    }
+    return DIF_OK;
+}
+
+static dif_status describe_check(eval_run *run, dif_error *err)
+{
+    if (run->n_checked == 0)
+        return DIF_OK;
+    const dif_status status = dif_manifest_setf(&run->manifest, err, "check_samples", "%d", run->n_checked);
+    return status ? status
+                  : dif_manifest_setf(&run->manifest, err, "check_worst_amplitude_error", "%.3g", run->worst_error);
+}
+
+/* Says what the check found; exit 1 if it is over the tolerance. */
+static int judge_check(const dif_cli *cli, const eval_args *args, const eval_run *run)
+{
+    if (run->n_checked == 0)
+        return DIF_EXIT_DONE;
+    dif_cli_say(cli, "checked %d queries: largest amplitude error %.3g (tol %.3g) at query %zu", run->n_checked,
+                run->worst_error, args->measure.tol, run->worst_at + 1);
+    if (run->worst_error <= args->measure.tol)
+        return DIF_EXIT_DONE;
+    return dif_cmd_outside(cli->verb, "%s: amplitude error %.3g at query %zu, expected at most %.3g (--tol)",
+                           cli->operand[0], run->worst_error, run->worst_at + 1, args->measure.tol);
+}
+
 static void print_csv(FILE *stream, const eval_args *args, const eval_run *run)
 {
     dif_csv_out_provenance(stream, &run->manifest);
@@ -154,6 +213,10 @@ static int execute(const dif_cli *cli, const eval_args *args)
     dif_csv_out out = {0};
     int code = DIF_EXIT_DONE;
     dif_status status = measure(cli, args, &run, &err);
+    if (!status)
+        status = check(args, &run, &err);
+    if (!status)
+        status = describe_check(&run, &err);
     if (!status && (args->out || !cli->json)) {
         status = dif_csv_out_open(args->out, &out, &err);
         if (!status) {
@@ -167,6 +230,8 @@ static int execute(const dif_cli *cli, const eval_args *args)
         dif_cli_say_stats(cli, &run.stats);
     if (!status && cli->json)
         code = dif_json_print(cli, json_run(args, &run));
+    if (code == DIF_EXIT_DONE)
+        code = judge_check(cli, args, &run);
     run_free(&run);
     return code;
 }

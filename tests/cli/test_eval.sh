@@ -34,6 +34,15 @@ rows out | cut -d, -f9,10 >direct
 ok "amplitudes to 1e-9" bash -c 'paste -d, sheet direct | awk -F, "
     { d = (\$1 - \$3)^2 + (\$2 - \$4)^2; if (d > 1e-18) exit 1 }"'
 
+# the check does the same
+run 0 eval s.exr --queries q.csv --check 3 --tol 1e-9
+err_has 'checked 3 queries: largest amplitude error [0-9.e-]+ \(tol 1e-09\) at query [1-4]$'
+out_has '^# check_worst_amplitude_error: '
+run 0 eval s.exr --queries q.csv --check 99 --average welch --sigma-um 5
+err_has 'checked 4 queries'
+run 1 eval s.exr --queries q.csv --check 4 --method taylor --terms 1 --quiet
+err_has '^diffbench eval: s.exr: amplitude error .* at query [1-4], expected at most 1e-06 \(--tol\)$'
+
 # stdin, files, JSON
 "$program" eval s.exr --queries - --quiet <q.csv >piped 2>err
 ok "stdin as a file" cmp -s <(rows piped) <("$program" eval s.exr --queries q.csv --quiet | grep -v '^#' | tail -n +2)
