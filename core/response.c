@@ -198,3 +198,25 @@ void dif_response_volume_grid(const dif_sheet *sheet, int nx, const double *kx, 
     else
         (wide ? d16_grid : d8_grid)(sheet, sheet->coef_d, nx, x, ny, y, kz, kz_stride, power, power_stride);
 }
+
+void dif_response_volume_columns(const dif_sheet *sheet, int n, const double *kx, const double *ky, int n_z,
+                                 const double *kz, float *power)
+{
+    dif_place x[DIF_RESPONSE_GRID], y[DIF_RESPONSE_GRID], z[DIF_RESPONSE_DEPTHS];
+    const double inv_x = 1.0 / sheet->s.step, inv_y = 1.0 / sheet->y.step, inv_z = 1.0 / sheet->z.step;
+    assert(sheet->basis == DIF_BASIS_WAVES && sheet->z.n <= DIF_RESPONSE_PLANES);
+    assert(n <= DIF_RESPONSE_GRID && n_z <= DIF_RESPONSE_DEPTHS);
+    for (int i = 0; i < n; i++) {
+        x[i] = place_on(&sheet->s, inv_x, kx[i]);
+        y[i] = place_on(&sheet->y, inv_y, ky[i]);
+        assert(inside(&sheet->s, x + i) && inside(&sheet->y, y + i));
+    }
+    for (int k = 0; k < n_z; k++) {
+        z[k] = place_on(&sheet->z, inv_z, kz[k]);
+        assert(inside(&sheet->z, z + k));
+    }
+    if (sheet->info.single)
+        f8_columns(sheet, sheet->coef_f, n, x, y, n_z, z, power);
+    else
+        d8_columns(sheet, sheet->coef_d, n, x, y, n_z, z, power);
+}

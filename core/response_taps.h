@@ -160,9 +160,82 @@ static void DIF_NAME(grid)(const dif_sheet *sheet, const DIF_REAL *coef, int nx,
     DIF_NAME(axis_taps)(sheet, coef, 1, ny, y, tap_y);
     for (int j = 0; j < ny; j++)
         DIF_NAME(grid_row)
-        (sheet, coef, nx, x, tap_x, y[j].first, tap_y + j * DIF_SHEET_TAPS, kz + (size_t)j * kz_stride,
-         power + (size_t)j * power_stride);
+    (sheet, coef, nx, x, tap_x, y[j].first, tap_y + j * DIF_SHEET_TAPS, kz + (size_t)j * kz_stride,
+     power + (size_t)j * power_stride);
 }
+
+#if DIF_LZ == 8 /* whole columns have no tap rows: one version a number type is enough */
+
+/* Sums `n_vec` vectors of planes (from plane 0 up) over the lateral taps of one point. With n_vec known when compiled the
+ * sums stay in registers. */
+DIF_INLINE void DIF_NAME(sum_planes)(const dif_sheet *sheet, const dif_place *x, const DIF_REAL *tap_x,
+                                     const dif_place *y, const DIF_REAL *tap_y, int n_vec, size_t offset, DIF_REAL *out)
+{
+    const size_t step_y = 2 * (size_t)sheet->stride, step_x = step_y * (size_t)sheet->y.n;
+    const DIF_REAL *column =
+        (const DIF_REAL *)sheet->planes + step_x * (size_t)x->first + step_y * (size_t)y->first + offset;
+    DIF_NAME(vec) acc[4] = {0};
+    for (int a = 0; a < sheet->s.kernel.width; a++, column += step_x) {
+        const DIF_REAL *row = column;
+        for (int b = 0; b < sheet->y.kernel.width; b++, row += step_y) {
+            const DIF_REAL weight = tap_x[a] * tap_y[b];
+            for (int v = 0; v < n_vec; v++)
+                acc[v] += weight * *(const DIF_NAME(view) *)(row + v * DIF_NAME(LANES));
+        }
+    }
+    for (int v = 0; v < n_vec; v++)
+        *(DIF_NAME(view) *)(out + v * DIF_NAME(LANES)) = acc[v];
+}
+
+/* All planes of one point: planes[2 * (z.n + DIF_SHEET_PAD)]. */
+DIF_INLINE void DIF_NAME(all_planes)(const dif_sheet *sheet, const dif_place *x, const DIF_REAL *tap_x,
+                                     const dif_place *y, const DIF_REAL *tap_y, DIF_REAL *planes)
+{
+    const int n_vec = (2 * sheet->z.n + DIF_NAME(LANES) - 1) / DIF_NAME(LANES);
+    int done = 0;
+    for (; done + 4 <= n_vec; done += 4)
+        DIF_NAME(sum_planes)
+    (sheet, x, tap_x, y, tap_y, 4, (size_t)(done * DIF_NAME(LANES)), planes + done * DIF_NAME(LANES));
+    const size_t at = (size_t)(done * DIF_NAME(LANES));
+    switch (n_vec - done) {
+    case 3:
+        DIF_NAME(sum_planes)(sheet, x, tap_x, y, tap_y, 3, at, planes + at);
+        break;
+    case 2:
+        DIF_NAME(sum_planes)(sheet, x, tap_x, y, tap_y, 2, at, planes + at);
+        break;
+    case 1:
+        DIF_NAME(sum_planes)(sheet, x, tap_x, y, tap_y, 1, at, planes + at);
+        break;
+    }
+}
+
+/* n lateral points, each at the same n_z values of kappa_z. */
+DIF_CLONES static void DIF_NAME(columns)(const dif_sheet *sheet, const DIF_REAL *coef, int n, const dif_place *x,
+                                         const dif_place *y, int n_z, const dif_place *z, float *power)
+{
+    DIF_REAL tap_z[DIF_RESPONSE_DEPTHS * DIF_SHEET_TAPS];
+    DIF_REAL planes[2 * (DIF_RESPONSE_PLANES + DIF_SHEET_PAD + DIF_NAME(LANES))];
+    for (int k = 0; k < n_z; k++)
+        DIF_NAME(taps)(coef, sheet->degree, 2, (DIF_REAL)z[k].offset, tap_z + k * DIF_SHEET_TAPS);
+    for (int i = 0; i < n; i++) {
+        DIF_REAL tap_x[DIF_SHEET_TAPS], tap_y[DIF_SHEET_TAPS];
+        DIF_NAME(taps)(coef, sheet->degree, 0, (DIF_REAL)x[i].offset, tap_x);
+        DIF_NAME(taps)(coef, sheet->degree, 1, (DIF_REAL)y[i].offset, tap_y);
+        DIF_NAME(all_planes)(sheet, x + i, tap_x, y + i, tap_y, planes);
+        for (int k = 0; k < n_z; k++) {
+            const DIF_REAL *from = planes + 2 * z[k].first, *tap = tap_z + k * DIF_SHEET_TAPS;
+            DIF_REAL re = 0, im = 0;
+            for (int j = 0; j < sheet->z.kernel.width; j++) {
+                re += tap[j] * from[2 * j];
+                im += tap[j] * from[2 * j + 1];
+            }
+            power[i * n_z + k] = (float)(re * re + im * im);
+        }
+    }
+}
+
+#endif
 
 #undef DIF_REAL
 #undef DIF_LZ
