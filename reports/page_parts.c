@@ -176,7 +176,10 @@ void dif_part_periods(FILE *html, const json_t *doc)
         say_count(html, "", dif_result_number(doc, "fit_table.n_ridge"), ", ");
         say_count(html, "", dif_result_number(doc, "fit_table.n_iteration"), " iterations; residual rms ");
         fprintf(html, "%s of the data’s rms, recomputed outside the solver; ", text);
-        say_count(html, "scatter over ", dif_result_number(doc, "fit_table.n_part"), " bands of wavelength. ");
+        say_count(html, "scatter over ", dif_result_number(doc, "fit_table.n_part"), " bands of wavelength; ");
+        dif_html_number(dif_result_number(doc, "fit_table.f_min_per_um"), 2, "µm⁻¹", text);
+        fprintf(html, "fitted where |f| ≥ %s, so without the mirror beam, ", text);
+        say_count(html, "and up to ", dif_result_number(doc, "fit_table.angle_max_deg"), "°. ");
     }
     if (dif_result_true(doc, "fit_surface.ok")) {
         dif_html_uncertain(dif_result_number(doc, "fit_surface.psi_deg"),

@@ -24,7 +24,7 @@ static const char style[] =
     "tbody th{font-weight:400;color:#4a545e}\n"
     "tbody.strong th,tr.strong th,tr.strong td{font-weight:600;color:#1c2126}\n"
     "td.n,th.n{text-align:right;white-space:nowrap}\n"
-    "table.wide{width:100%}\n"
+    "table.wide{width:100%}table.wide td:first-child{min-width:7.5em}\n"
     "figure{margin:.6rem 0 1.2rem;break-inside:avoid}\n"
     "figcaption{color:#4a545e;font-size:.87rem;line-height:1.45;max-width:58rem;margin-top:.2rem}\n"
     "figcaption b{color:#1c2126;font-weight:600}\n"
@@ -44,9 +44,10 @@ static const char style[] =
     ".bar{display:block;height:.6rem;background:#31688e;margin-top:.35rem;min-width:1px}\n"
     "table.prov{table-layout:fixed;width:100%;font-size:.87rem}table.prov th{width:13rem}\n"
     "table.prov td{overflow-wrap:anywhere}\n"
-    "@media(max-width:760px){.pair{grid-template-columns:1fr}nav ol{columns:1}}\n"
+    "@media screen and (max-width:760px){.pair{grid-template-columns:1fr}nav ol{columns:1}}\n"
     "@page{size:A4;margin:16mm 14mm}\n"
-    "@media print{body{max-width:none;padding:0;font-size:10pt}h2{break-before:page;margin-top:0}"
+    "@media "
+    "print{body{max-width:none;padding:0;font-size:10pt}section>h2{break-before:page;margin-top:0}h2{margin-top:1.4rem}"
     "h3{break-after:avoid}table{break-inside:avoid}a{color:inherit;text-decoration:none}}\n";
 
 const char *dif_page_style(void)

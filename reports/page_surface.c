@@ -64,7 +64,7 @@ static dif_status write_table(FILE *html, int number, const dif_result *result, 
             low);
     if (notes->n_cell_x > 1 || notes->n_cell_y > 1)
         fprintf(html, " A pixel shows the largest of %d × %d table cells.", notes->n_cell_x, notes->n_cell_y);
-    fprintf(html, " Dots: the %d local maxima%s.", notes->n_maximum,
+    fprintf(html, " Dots: the %d local maxima beside the mirror beam%s.", notes->n_maximum,
             notes->n_skipped
                 ? " drawn (those at the edge of the table, and the weaker ones of a crowded table, are left "
                   "out)"

@@ -154,22 +154,24 @@ static dif_status load_file(const dif_cli *cli, const report_args *args, int i, 
     return status;
 }
 
-/* The plane of incidence crosses the strongest structure unless the user says where it lies. */
-static dif_status choose_azimuth(const report_args *args, const dif_report_job *job, double *azimuth_deg,
-                                 dif_error *err)
+/* The plane of incidence crosses the strongest structure unless the user says where it lies; spatial frequencies below
+ * half of that structure's, as the plane sees it, are left to the mirror beam. */
+static dif_status choose_plane(const report_args *args, dif_report_job *job, double *azimuth_deg, dif_error *err)
 {
-    *azimuth_deg = args->azimuth_deg;
-    if (!isnan(*azimuth_deg))
-        return DIF_OK;
-    *azimuth_deg = job->has_grating ? dif_deg_from_rad(job->grating.psi_rad) : 0.0;
-    if (job->has_grating)
-        return DIF_OK;
-    dif_spectrum_peak peak;
-    int n = 0;
-    const dif_status status = dif_fit_spectrum_peaks(&job->field, 1, &peak, &n, err);
-    if (!status && n > 0)
-        *azimuth_deg = dif_deg_from_rad(peak.psi_rad);
-    return status;
+    dif_spectrum_peak peak = {.period_um = job->grating.period_um, .psi_rad = job->grating.psi_rad};
+    int n = job->has_grating;
+    const dif_status status = n ? DIF_OK : dif_fit_spectrum_peaks(&job->field, 1, &peak, &n, err);
+    if (status)
+        return status;
+    const bool chosen = !isnan(args->azimuth_deg);
+    *azimuth_deg = chosen ? args->azimuth_deg : n > 0 ? dif_deg_from_rad(peak.psi_rad) : 0.0;
+    /* eight rms widths of the line of the default window, where there is no structure to go by */
+    job->f_min_per_um = 8.0 / (2.0 * sqrt(2.0) * DIF_PI * job->opts.sigma_um);
+    if (n > 0) {
+        const double f_per_um = fabs(cos(peak.psi_rad - dif_rad_from_deg(*azimuth_deg))) / peak.period_um;
+        job->f_min_per_um = fmax(job->f_min_per_um, 0.5 * f_per_um);
+    }
+    return DIF_OK;
 }
 
 static dif_status load(const dif_cli *cli, const report_args *args, int i, dif_report_job *job, dif_error *err)
@@ -189,7 +191,7 @@ static dif_status load(const dif_cli *cli, const report_args *args, int i, dif_r
     job->opts.progress = NULL;
     job->opts.progress_self = NULL;
     double azimuth_deg;
-    status = choose_azimuth(args, job, &azimuth_deg, err);
+    status = choose_plane(args, job, &azimuth_deg, err);
     const bool fixed_is_wo = !isnan(args->theta_r_deg);
     const double fixed_deg = fixed_is_wo ? args->theta_r_deg : isnan(args->theta_i_deg) ? 75.0 : args->theta_i_deg;
     if (!status)

@@ -22,7 +22,8 @@ typedef struct dif_report_job {
     dif_plan plan;   /* owned                                                                 */
     dif_measure_opts opts;
     double tol;
-    bool has_grating; /* the surface is this grating: closed forms apply                        */
+    double f_min_per_um; /* spatial frequencies below it are the mirror beam's, not a ridge's; > 0         */
+    bool has_grating;    /* the surface is this grating: closed forms apply                        */
     dif_grating grating;
     double known_period_um;  /* NaN = unknown                                                       */
     bool known_exact;        /* false: a guide only (irregular rows)                                */
@@ -78,6 +79,9 @@ void dif_report_data_free(dif_report_data *data);
 /* The table folded to spatial frequency: mean normalised power of the cells whose f falls into one bin. */
 DIF_MUST_USE dif_status dif_report_fold(const dif_report_job *job, dif_report_data *data, dif_error *err);
 
+/* Largest |running angle| that takes part in the fit of the table. */
+double dif_report_fit_angle_max_rad(void);
+
 /* Closed-form order powers beside those of the sampled surface, at the plan's middle wavelength. */
 DIF_MUST_USE dif_status dif_report_orders(const dif_report_job *job, dif_report_data *data, dif_error *err);
 
@@ -89,7 +93,7 @@ json_t *dif_report_domain(const dif_report_job *job, const dif_report_data *data
 bool dif_report_on_line(const dif_report_data *data, const dif_maximum *maximum);
 
 /* Parts of the result object: the fits, the maxima. NULL = out of memory. */
-json_t *dif_report_fit_table_json(const dif_report_data *data);
+json_t *dif_report_fit_table_json(const dif_report_job *job, const dif_report_data *data);
 json_t *dif_report_fit_surface_json(const dif_report_data *data);
 json_t *dif_report_maxima_json(const dif_report_data *data);
 

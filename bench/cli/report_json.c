@@ -299,7 +299,7 @@ json_t *dif_report_json(const dif_report_job *job, const dif_report_data *data, 
         DIF_RESULT_SCHEMA, "title", job->title, "description", job->description, "files", files_json(job), "known",
         known_json(job), "surface", surface_json(job, &data->field), "plan", plan_json(job, data), "measure",
         measure_json(job, data), "check", check_json(&data->check), "below_tol2", below_json(data), "fit_table",
-        dif_report_fit_table_json(data), "fit_surface", dif_report_fit_surface_json(data), "maxima",
+        dif_report_fit_table_json(job, data), "fit_surface", dif_report_fit_surface_json(data), "maxima",
         dif_report_maxima_json(data), "energy", energy_json(job, data), "orders", orders, "domain",
         dif_report_domain(job, data), "verdicts", verdicts_json(job, data, order_worst, order_limit, outside));
     json_t *provenance = dif_json_manifest(&job->provenance);

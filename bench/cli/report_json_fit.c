@@ -38,19 +38,21 @@ static json_t *failed_json(const dif_error *error)
     return json_pack("{s:b, s:s}", "ok", 0, "text", error->text);
 }
 
-json_t *dif_report_fit_table_json(const dif_report_data *data)
+json_t *dif_report_fit_table_json(const dif_report_job *job, const dif_report_data *data)
 {
     const dif_fit_result *fit = &data->fit;
     if (data->fit_status != DIF_OK)
         return failed_json(&data->fit_error);
-    return json_pack("{s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:i, s:s, s:o}", "ok",
-                     1, "common_period", (int)data->common_period, "period_nm", nm(fit->period_um), "u_nm",
-                     nm(fit->period_uncertainty_um), "u_covariance_nm", nm(fit->period_sd_um), "u_scatter_nm",
-                     nm(fit->period_scatter_um), "offset_deg", degrees(fit->offset_rad), "u_offset_deg",
-                     degrees(fit->offset_sd_rad), "residual_rms", dif_json_number(fit->residual_rms), "residual_share",
-                     dif_json_number(fit->residual_share), "criterion", dif_json_number(fit->criterion), "n_data",
-                     fit->n_data, "n_parameter", fit->n_parameter, "n_iteration", fit->n_iteration, "n_part",
-                     fit->n_part, "n_ridge", fit->n_ridge, "note", fit->note, "ridges", ridges_json(fit));
+    return json_pack(
+        "{s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:i, s:s, s:o, s:o, s:o}", "ok", 1,
+        "common_period", (int)data->common_period, "period_nm", nm(fit->period_um), "u_nm",
+        nm(fit->period_uncertainty_um), "u_covariance_nm", nm(fit->period_sd_um), "u_scatter_nm",
+        nm(fit->period_scatter_um), "offset_deg", degrees(fit->offset_rad), "u_offset_deg", degrees(fit->offset_sd_rad),
+        "residual_rms", dif_json_number(fit->residual_rms), "residual_share", dif_json_number(fit->residual_share),
+        "criterion", dif_json_number(fit->criterion), "n_data", fit->n_data, "n_parameter", fit->n_parameter,
+        "n_iteration", fit->n_iteration, "n_part", fit->n_part, "n_ridge", fit->n_ridge, "note", fit->note, "ridges",
+        ridges_json(fit), "f_min_per_um", dif_json_number(job->f_min_per_um), "angle_max_deg",
+        degrees(dif_report_fit_angle_max_rad()));
 }
 
 json_t *dif_report_fit_surface_json(const dif_report_data *data)
@@ -78,7 +80,7 @@ static json_t *order_json(const dif_maxima_order *order)
                      nm(order->period_sd_um));
 }
 
-/* The mean period of the largest values, where they are mostly of first order; else null, for it would mean nothing. */
+/* The mean period of the largest values, where all of them are of first order; else null, for it would mean nothing. */
 static json_t *first_order_json(const dif_maxima *maxima)
 {
     int n_global = 0, n_first = 0;
@@ -86,7 +88,7 @@ static json_t *first_order_json(const dif_maxima *maxima)
         n_global += maxima->item[i].is_global;
         n_first += maxima->item[i].is_global && abs(maxima->item[i].order) == 1;
     }
-    if (2 * n_first <= n_global)
+    if (n_first < n_global || n_global == 0)
         return json_null();
     const dif_maxima_period first = dif_maxima_first_order(maxima);
     return json_pack("{s:i, s:i, s:o, s:o, s:o, s:o}", "n", first.n, "order", 1, "mean_nm", nm(first.mean_um), "sd_nm",

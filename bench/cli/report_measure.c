@@ -10,7 +10,9 @@
 
 /* Cells compared with the direct sum: this many, less where several windows make the sum dearer. */
 enum { CHECK_N = 200, CHECK_N_MIN = 40, CHECK_SEED = 1, LINE_BIN_MAX = 3000 };
-static const double ridge_floor = 2e-3; /* maxima below this share of the table's largest value are side lobes */
+static const double fit_angle_max_rad = 75.0 * DIF_PI / 180.0; /* beyond it gains rise too fast for a ridge model */
+/* Maxima below this share of the largest value are side lobes of a grating's lines, or a scan's speckle. */
+static const double grating_floor = 2e-3, scan_floor = 0.05;
 
 typedef struct clock_pair {
     double wall_s, cpu_s;
@@ -153,10 +155,45 @@ static dif_status measure_energy(const dif_report_job *job, dif_report_data *dat
     return DIF_OK;
 }
 
-static dif_status measure_fits(const dif_report_job *job, dif_report_data *data, dif_error *err)
+double dif_report_fit_angle_max_rad(void)
+{
+    return fit_angle_max_rad;
+}
+
+/* A copy of the table without the mirror beam and its skirt, and without angles above angle_max (cells become NaN). */
+static dif_status without_mirror(const dif_report_job *job, const dif_table *table, double angle_max_rad,
+                                 dif_table *out, dif_error *err)
+{
+    const dif_plan *plan = &table->plan;
+    const dif_status status = dif_table_create(plan, table->quantity, out, err);
+    if (status != DIF_OK)
+        return status;
+    for (int ia = 0; ia < plan->n_angle; ia++) {
+        double sin_sum, cos_sum;
+        dif_plan_transfer(plan, ia, &sin_sum, &cos_sum);
+        for (int il = 0; il < plan->n_lambda; il++) {
+            const size_t at = (size_t)il * (size_t)plan->n_angle + (size_t)ia;
+            const bool keep =
+                fabs(sin_sum) >= job->f_min_per_um * plan->lambda_um[il] && fabs(plan->angle_rad[ia]) <= angle_max_rad;
+            out->value[at] = keep ? table->value[at] : (double)NAN;
+        }
+    }
+    return DIF_OK;
+}
+
+/* Distance of the samples along the plane of incidence, NaN where the plane runs askew of the grid. */
+static double pitch_along_um(const dif_report_job *job)
+{
+    const double c = fabs(cos(job->plan.azimuth_rad)), s = fabs(sin(job->plan.azimuth_rad));
+    return s < 1e-9 ? job->field.pitch_x_um : c < 1e-9 ? job->field.pitch_y_um : (double)NAN;
+}
+
+static dif_status fit_table(const dif_report_job *job, dif_report_data *data, dif_error *err)
 {
     dif_fit_table_opts opts = dif_fit_table_opts_default();
     opts.line = (dif_fit_line){.known = true,
+                               .average = job->opts.average,
+                               .pitch_um = pitch_along_um(job),
                                .window = {.kind = job->opts.window, .sigma_um = job->opts.sigma_um},
                                .size_x_um = job->field.nx * job->field.pitch_x_um,
                                .size_y_um = job->field.ny * job->field.pitch_y_um};
@@ -164,13 +201,21 @@ static dif_status measure_fits(const dif_report_job *job, dif_report_data *data,
     opts.common_period = data->common_period = job->has_grating;
     if (job->has_grating)
         opts.n_ridge_max = DIF_FIT_RIDGE_MAX;
-    clock_pair start = now();
-    data->fit_status = dif_fit_table(&data->table, &opts, &data->fit, &data->fit_error);
+    dif_table part;
+    dif_status status = without_mirror(job, &data->table, fit_angle_max_rad, &part, err);
+    if (status != DIF_OK)
+        return status;
+    const clock_pair start = now();
+    data->fit_status = dif_fit_table(&part, &opts, &data->fit, &data->fit_error);
     add_stage_since(data, "fit of the table", start);
-    if (data->fit_status == DIF_ERR_NOMEM)
-        return dif_fail(err, data->fit_status, "%s", data->fit_error.text);
+    dif_table_free(&part);
+    return data->fit_status == DIF_ERR_NOMEM ? dif_fail(err, data->fit_status, "%s", data->fit_error.text) : DIF_OK;
+}
+
+static dif_status fit_surface(const dif_report_job *job, dif_report_data *data, dif_error *err)
+{
     const dif_fit_surface_opts surface_opts = dif_fit_surface_opts_default();
-    start = now();
+    const clock_pair start = now();
     data->surface_status = dif_fit_surface(&job->field, &surface_opts, &data->surface, &data->surface_error);
     add_stage_since(data, "fit of the heights", start);
     if (data->surface_status == DIF_ERR_NOMEM)
@@ -202,12 +247,17 @@ bool dif_report_on_line(const dif_report_data *data, const dif_maximum *maximum)
     return fabs(off_per_um) <= 2.0 * data->fit.ridge[0].width_per_um;
 }
 
-static dif_status find_maxima(dif_report_data *data, dif_error *err)
+static dif_status find_maxima(const dif_report_job *job, dif_report_data *data, dif_error *err)
 {
+    dif_table part;
     dif_maxima_opts opts = dif_maxima_opts_default();
-    opts.floor_share = ridge_floor;
+    opts.floor_share = job->has_grating ? grating_floor : scan_floor;
     opts.period_um = data->fit_status == DIF_OK ? data->fit.period_um : (double)NAN;
-    const dif_status status = dif_maxima_find(&data->table, &opts, &data->maxima, err);
+    dif_status status = without_mirror(job, &data->table, 0.5 * DIF_PI, &part, err);
+    if (status != DIF_OK)
+        return status;
+    status = dif_maxima_find(&part, &opts, &data->maxima, err);
+    dif_table_free(&part);
     if (status != DIF_OK)
         return status;
     data->on_line.item = dif_alloc((size_t)data->maxima.n, sizeof(dif_maximum));
@@ -227,9 +277,11 @@ dif_status dif_report_measure(const dif_report_job *job, dif_report_data *out, d
     if (status == DIF_OK)
         status = measure_table(job, out, err);
     if (status == DIF_OK)
-        status = measure_fits(job, out, err);
+        status = fit_table(job, out, err);
     if (status == DIF_OK)
-        status = find_maxima(out, err);
+        status = fit_surface(job, out, err);
+    if (status == DIF_OK)
+        status = find_maxima(job, out, err);
     if (status == DIF_OK)
         status = dif_report_fold(job, out, err);
     clock_pair start = now();
