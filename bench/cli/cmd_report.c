@@ -125,6 +125,8 @@ static void make_slug(const char *path, int number, int n_surface, char slug[64]
         else if (n > 0 && slug[n - 1] != '-')
             slug[n++] = '-';
     }
+    while (n > 0 && slug[n - 1] == '-')
+        n--;
     slug[n] = '\0';
     if (n == 0 || strcmp(slug, "results") == 0 || strcmp(slug, "report") == 0)
         snprintf(slug, 64, "surface-%d", number);

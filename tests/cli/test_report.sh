@@ -26,15 +26,17 @@ ok "averaged as its kind asks" [ "$(json surfaces.0.plan.average)" = none ]
 
 # the table of the report is the table of `table`
 run 0 table 'a<b>&.gsf' --theta-i-deg 75 $small --azimuth-deg 0 --layout matrix --out t.csv
-ok "same values as table" diff <(rows page/a-b.table.csv) <(rows t.csv)
+rows page/a-b.table.csv >a.rows
+rows t.csv >t.rows
+ok "same values as table" cmp -s a.rows t.rows
 
 # rebuilt without measuring: the same bytes
 cp page/index.html first.html
 cp page/report.json first.json
 rm page/index.html page/report.json
 run 0 report --rebuild page
-ok "the page is the same" cmp page/index.html first.html
-ok "the JSON is the same" cmp page/report.json first.json
+ok "the page is the same" cmp -s page/index.html first.html
+ok "the JSON is the same" cmp -s page/report.json first.json
 
 # byte-identical runs
 export SOURCE_DATE_EPOCH=1700000000
@@ -43,7 +45,7 @@ mkdir keep
 mv day/* keep
 run 0 report --quiet --out day $small 'a<b>&.gsf'
 for file in index.html report.json results.json a-b.json a-b.maxima.csv a-b.lines.csv a-b.table.csv a-b.table.exr; do
-    ok "$file is the same again" cmp "day/$file" "keep/$file"
+    ok "$file is the same again" cmp -s "day/$file" "keep/$file"
 done
 cp day/report.json out
 ok "no timings then" bash -c '! grep -q timings out'
@@ -65,10 +67,10 @@ refuses 3 'report: none.gsf' report --quiet --out page none.gsf
 refuses 3 'report: none/results.json' report --rebuild none
 refuses 3 "report: first.html/x: cannot make the folder: Not a directory" report --quiet --out first.html/x 'a<b>&.gsf'
 echo '{' >day/a-b.json
-refuses 3 'report: day/a-b.json: line 1: ' report --rebuild day
+refuses 3 'report: day/a-b.json: line 2: ' report --rebuild day
 rm day/a-b.json
 refuses 3 'report: day/a-b.json' report --rebuild day
-ok "the old page stays" cmp day/index.html keep/index.html
+ok "the old page stays" cmp -s day/index.html keep/index.html
 path=$PATH
 PATH=/nonexistent
 refuses_without_tools()
