@@ -5,7 +5,7 @@
 #include "reports/figures.h"
 #include "reports/plot.h"
 
-enum { COLUMN_MAX = 1100, ROW_MAX = 400, MAXIMUM_MAX = 3000, CURVE_POINT_N = 41 };
+enum { COLUMN_MAX = 1100, ROW_MAX = 400, MAXIMUM_MAX = 3000, CURVE_POINT_N = 161 };
 static const double decades = 1e-6; /* of the heat map's colour scale below the largest value */
 
 static double largest(const dif_table *table)
@@ -65,14 +65,22 @@ static int write_curve(const dif_plan *plan, double f_per_um, FILE *script)
     return n > 1;
 }
 
-/* The last point of a curve inside the plot, where its label goes; false if there is none. */
-static bool curve_end(const dif_plan *plan, double f_per_um, double *angle_deg)
+/* Where a curve leaves the plot through the top; false if it does not. */
+static bool leaves_top(const dif_plan *plan, double f_per_um, double *angle_deg)
 {
     const double s = f_per_um * plan->lambda_um[plan->n_lambda - 1] - sin(plan->fixed_rad);
     if (fabs(s) >= 1.0)
         return false;
     *angle_deg = dif_deg_from_rad(asin(s));
     return asin(s) >= plan->angle_rad[0] && asin(s) <= plan->angle_rad[plan->n_angle - 1];
+}
+
+/* Where it leaves through the right side; false if it does not. */
+static bool leaves_right(const dif_plan *plan, double f_per_um, double *lambda_nm)
+{
+    const double lambda_um = (sin(plan->angle_rad[plan->n_angle - 1]) + sin(plan->fixed_rad)) / f_per_um;
+    *lambda_nm = dif_nm_from_um(lambda_um);
+    return lambda_um >= plan->lambda_um[0] && lambda_um <= plan->lambda_um[plan->n_lambda - 1];
 }
 
 /* Spatial frequency of curve i: the orders of one period, or the ridges found. NaN behind the last. */
@@ -90,31 +98,44 @@ static double curve_f_per_um(const dif_result *result, bool common, int i, int *
     return *order <= f_max * period_um && *order <= 200 ? *order / period_um : (double)NAN;
 }
 
-/* Curves and the labels of those that leave through the top. */
+/* Labels a curve where it leaves the plot; orders that would touch the label before are left without. */
+static void write_curve_label(const dif_plan *plan, double f_per_um, const char *label, int row, double last[2],
+                              FILE *script)
+{
+    double at;
+    if (leaves_top(plan, f_per_um, &at) && fabs(at - last[0]) > 3.5) {
+        fprintf(script, "set label '%s' at first %.6g, graph %g center font ',11' tc rgb '#444444'\n", label, at,
+                1.03 + 0.035 * row);
+        last[0] = row ? last[0] : at;
+    } else if (leaves_right(plan, f_per_um, &at) && fabs(at - last[1]) > 14.0) {
+        fprintf(script, "set label '%s' at graph %g, first %.6g left font ',11' tc rgb '#444444'\n", label,
+                1.005 + 0.01 * row, at);
+        last[1] = row ? last[1] : at;
+    }
+}
+
+/* The curves and their labels: orders of one period, or the letters of the ridges in two rows. */
 static int write_curves(const dif_result *result, FILE *script)
 {
     const dif_plan *plan = &result->table.plan;
     const bool common = dif_result_true(result->doc, "fit_table.common_period");
     int n = 0, order = 0;
-    double f_per_um, at_deg, last_deg = -1e3;
+    double f_per_um, last[2] = {-1e9, -1e9};
+    char label[16];
     fputs("$curve << EOD\n", script);
     if (dif_result_true(result->doc, "fit_table.ok")) {
         for (int i = 0; !isnan(f_per_um = curve_f_per_um(result, common, i, &order)); i++)
             n += write_curve(plan, f_per_um, script);
     }
     fputs("nan nan\nEOD\n", script);
-    if (!n)
-        return 0;
-    for (int i = 0; !isnan(f_per_um = curve_f_per_um(result, common, i, &order)); i++) {
-        if (!curve_end(plan, f_per_um, &at_deg) || (common && at_deg - last_deg < 3.5))
-            continue;
+    for (int i = 0; n && !isnan(f_per_um = curve_f_per_um(result, common, i, &order)); i++) {
         if (common)
-            fprintf(script, "set label '%d' at first %.6g, graph 1.03 center font ',11' tc rgb '#444444'\n", order,
-                    at_deg);
+            snprintf(label, sizeof label, "%d", order);
         else
-            fprintf(script, "set label '%c' at first %.6g, graph %g center font ',11' tc rgb '#d55e00'\n", 'A' + i % 26,
-                    at_deg, i % 2 ? 1.065 : 1.03);
-        last_deg = at_deg;
+            snprintf(label, sizeof label, "%c", 'A' + i % 26);
+        if (!common)
+            last[0] = last[1] = -1e9;
+        write_curve_label(plan, f_per_um, label, common ? 0 : i % 2, last, script);
     }
     return n;
 }

@@ -117,7 +117,8 @@ static void write_fit_row(FILE *html, const json_t *doc, const char *name, const
     }
     fputs("</td>", html);
     if (!dif_result_true(fit, "ok")) {
-        fputs("<td colspan=\"5\">no period: ", html);
+        const bool has_known = isfinite(dif_result_number(doc, "known.period_nm"));
+        fprintf(html, "<td colspan=\"%d\">no period: ", has_known ? 5 : 3);
         dif_html_text(html, dif_result_text(fit, "text"));
         fputs("</td></tr>\n", html);
         return;
@@ -127,8 +128,10 @@ static void write_fit_row(FILE *html, const json_t *doc, const char *name, const
     cell(html, dif_result_number(fit, "u_covariance_nm"), 2, "nm");
     cell(html, dif_result_number(fit, "u_scatter_nm"), 2, "nm");
     const double off = period - dif_result_number(doc, "known.period_nm");
-    cell(html, off, 2, "nm");
-    cell(html, fabs(off) / u, 2, "");
+    if (isfinite(off)) {
+        cell(html, off, 2, "nm");
+        cell(html, fabs(off) / u, 2, "");
+    }
     fputs("</tr>\n", html);
 }
 
@@ -146,8 +149,12 @@ static void write_first_order_row(FILE *html, const json_t *doc)
     char text[DIF_HTML_NUMBER_SIZE];
     dif_html_number(sd, 2, "nm", text);
     fprintf(html, "<td class=\"n\">sd %s</td>", text);
-    cell(html, period - dif_result_number(doc, "known.period_nm"), 2, "nm");
-    fputs("<td class=\"n\">–</td></tr>\n", html);
+    const double off = period - dif_result_number(doc, "known.period_nm");
+    if (isfinite(off)) {
+        cell(html, off, 2, "nm");
+        fputs("<td class=\"n\">–</td>", html);
+    }
+    fputs("</tr>\n", html);
 }
 
 void dif_part_periods(FILE *html, const json_t *doc)
@@ -161,10 +168,10 @@ void dif_part_periods(FILE *html, const json_t *doc)
                                                     : " on average; its rows are deliberately irregular, so this is a "
                                                       "guide and not a reference");
     }
-    fputs("<table class=\"wide\"><thead><tr><th>Method</th><th class=\"n\">Period (stated)</th>"
-          "<th class=\"n\">u, covariance</th><th class=\"n\">u, scatter</th><th class=\"n\">deviation</th>"
-          "<th class=\"n\">|deviation| / u</th></tr></thead><tbody>\n",
-          html);
+    fprintf(html,
+            "<table class=\"wide\"><thead><tr><th>Method</th><th class=\"n\">Period (stated)</th>"
+            "<th class=\"n\">u, covariance</th><th class=\"n\">u, scatter</th>%s</tr></thead><tbody>\n",
+            isfinite(known) ? "<th class=\"n\">deviation</th><th class=\"n\">|deviation| / u</th>" : "");
     write_fit_row(html, doc, "fit_table", "Ridge model on the table");
     write_fit_row(html, doc, "fit_surface", "Harmonic model on the heights");
     write_first_order_row(html, doc);

@@ -75,9 +75,7 @@ static dif_status write_table(FILE *html, int number, const dif_result *result, 
               "the fitted period; their orders stand on top.",
               html);
     else if (notes->n_curve)
-        fprintf(html,
-                " Thin curves: the grating equation for each of the %d fitted ridges, lettered as in the list below.",
-                notes->n_curve);
+        fputs(" Thin curves: the grating equation for each fitted ridge, lettered as in the list below.", html);
     else
         fputs(" No grating-equation curve is drawn, because no period was fitted.", html);
     fputs("</figcaption></figure>\n", html);

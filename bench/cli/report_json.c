@@ -37,7 +37,7 @@ static void window_text(const dif_report_job *job, const dif_report_data *data, 
 {
     if (job->opts.window == DIF_WINDOW_FLAT)
         snprintf(text, 160, "flat over the whole patch");
-    else if (job->opts.average == DIF_AVERAGE_NONE)
+    else if (job->opts.average == DIF_AVERAGE_NONE || data->stats.n_window == 1)
         snprintf(text, 160, "Gaussian, σ = %g µm, one at the centre", job->opts.sigma_um);
     else
         snprintf(text, 160, "Gaussian, σ = %g µm, powers of %d windows averaged (Welch)", job->opts.sigma_um,
