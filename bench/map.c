@@ -301,6 +301,9 @@ dif_status dif_map_measure(const dif_field *field, const dif_map_plan *plan, dou
 {
     dif_window_set set = {0};
     dif_measure_stats own;
+    const dif_measure_opts defaults = dif_measure_opts_default();
+    if (!opts)
+        opts = &defaults;
     map_job job = {.plan = plan, .opts = opts, .map = out};
     if (!stats)
         stats = &own;

@@ -170,7 +170,10 @@ dif_status dif_measure_table(const dif_field *field, const dif_plan *plan, doubl
                              dif_table *out, dif_measure_stats *stats, dif_error *err)
 {
     dif_window_set set = {0};
+    const dif_measure_opts defaults = dif_measure_opts_default();
     dif_measure_stats own;
+    if (!opts)
+        opts = &defaults;
     if (!stats)
         stats = &own;
     *stats = (dif_measure_stats){0};

@@ -43,7 +43,7 @@ dif_status dif_measure_check_table(const dif_field *field, const dif_table *tabl
     size_t *cell = dif_alloc((size_t)n, sizeof *cell);
     dif_query *query = dif_alloc((size_t)n, sizeof *query);
     dif_sample *sample = dif_alloc((size_t)n, sizeof *sample);
-    dif_measure_opts direct = *opts;
+    dif_measure_opts direct = opts ? *opts : dif_measure_opts_default();
     dif_measure_stats stats;
     direct.method = DIF_METHOD_DIRECT;
     direct.progress = NULL;

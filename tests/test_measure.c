@@ -281,6 +281,28 @@ static void test_measure__every_failing_allocation_is_reported(void **state)
     dif_field_free(&field);
 }
 
+static void test_measure__null_options_are_the_defaults(void **state)
+{
+    (void)state;
+    dif_field field = test_rough_field(20, 20, 0.1, 0.1, 0.3, 3);
+    const dif_measure_opts opts = dif_measure_opts_default();
+    const dif_query query = {dif_vec3_from_angles_rad(0.3, 0.1), dif_vec3_from_angles_rad(0.5, 2.0), 0.55};
+    dif_plan plan = make_plan(false, 75.0, 0.0, "-60:60:30", "400:700:100");
+    dif_sample said, unsaid;
+    assert_int_equal(dif_measure_queries(&field, 1, &query, 1e-9, &opts, &said, NULL, NULL), DIF_OK);
+    assert_int_equal(dif_measure_queries(&field, 1, &query, 1e-9, NULL, &unsaid, NULL, NULL), DIF_OK);
+    assert_memory_equal(&said, &unsaid, sizeof said);
+    dif_table with = measure(&field, &plan, 1e-9, &opts, NULL), without = measure(&field, &plan, 1e-9, NULL, NULL);
+    assert_at_most(worst_amplitude(&with, &without), 0.0);
+    dif_measure_check check;
+    assert_int_equal(dif_measure_check_table(&field, &without, NULL, 5, 1, &check, NULL), DIF_OK);
+    assert_at_most(check.worst_amplitude, 1e-9);
+    dif_table_free(&with);
+    dif_table_free(&without);
+    dif_plan_free(&plan);
+    dif_field_free(&field);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +315,7 @@ int main(void)
         cmocka_unit_test(test_table__progress_runs_up_to_one),
         cmocka_unit_test(test_measure__bad_arguments_have_their_codes),
         cmocka_unit_test(test_measure__every_failing_allocation_is_reported),
+        cmocka_unit_test(test_measure__null_options_are_the_defaults),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
