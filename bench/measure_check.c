@@ -56,7 +56,7 @@ dif_status dif_measure_check_table(const dif_field *field, const dif_table *tabl
     if (status == DIF_OK)
         status = dif_measure_queries(field, (size_t)n, query, 0.5, &direct, sample, &stats, err);
     for (int i = 0; i < n && status == DIF_OK; i++, out->n_sample++)
-        note_cell(table, cell[i], opts->index, stats.area_um2, query + i, sample + i, out);
+        note_cell(table, cell[i], direct.index, stats.area_um2, query + i, sample + i, out);
     if (status == DIF_OK)
         out->direct_s_per_sample = stats.eval_wall_s / n;
     dif_release(cell);
