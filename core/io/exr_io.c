@@ -15,7 +15,8 @@ struct dif_exr {
     exr_context_t context;
     int nx, ny, x0, y0; /* data window */
     bool tiled;
-    char reason[160]; /* last complaint of the library */
+    bool no_memory;   /* the library was refused memory; it does not always say so in its result */
+    char reason[160]; /* first complaint of the library */
 };
 
 void *dif_exr_alloc(size_t n_byte)
@@ -52,9 +53,9 @@ static int64_t size_bytes(exr_const_context_t context, void *self)
 static void keep_reason(exr_const_context_t context, exr_result_t code, const char *message)
 {
     void *self = NULL;
-    (void)code;
     if (context && exr_get_user_data(context, &self) == EXR_ERR_SUCCESS && self) {
         dif_exr *exr = self;
+        exr->no_memory |= code == EXR_ERR_OUT_OF_MEMORY;
         if (!exr->reason[0])
             snprintf(exr->reason, sizeof exr->reason, "%s", message);
     }
@@ -62,10 +63,11 @@ static void keep_reason(exr_const_context_t context, exr_result_t code, const ch
 
 static dif_status fail_library(const dif_exr *exr, exr_result_t code, const char *what, dif_error *err)
 {
-    if (code == EXR_ERR_OUT_OF_MEMORY)
+    if (code == EXR_ERR_OUT_OF_MEMORY || exr->no_memory)
         return dif_fail(err, DIF_ERR_NOMEM, "%s: %s: out of memory", exr->source.name, what);
     const char *reason = exr->reason[0] ? exr->reason : exr_get_default_error_message(code);
-    return dif_fail(err, DIF_ERR_FORMAT, "%s: %s: %.110s", exr->source.name, what, reason);
+    const dif_status status = code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? DIF_ERR_UNSUPPORTED : DIF_ERR_FORMAT;
+    return dif_fail(err, status, "%s: %s: %.110s", exr->source.name, what, reason);
 }
 
 static exr_result_t start_read(dif_exr *exr)

@@ -48,10 +48,11 @@ void dif_text_header_comment(dif_text_header *header, const char *line, size_t n
         n_value--;
     double length_um = NAN;
     if (dif_unit_parse_length(value, n_value, &length_um)) {
+        const bool is_width = has_any(line, n_key, WIDTH), is_height = has_any(line, n_key, HEIGHT);
         /* Exports in other languages: the second and third line are width and height. */
-        if (has_any(line, n_key, WIDTH) || (index == 2 && isnan(header->width_um)))
+        if (is_width || (!is_height && index == 2))
             header->width_um = length_um;
-        else if (has_any(line, n_key, HEIGHT) || (index == 3 && isnan(header->height_um)))
+        else if (is_height || index == 3)
             header->height_um = length_um;
     } else if (dif_unit_parse(value, n_value, &length_um)) {
         if (index > 1 && isnan(header->unit_um))

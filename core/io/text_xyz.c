@@ -5,7 +5,7 @@
 
 #include "core/alloc.h"
 
-static const double SAME_TOL = 1e-6; /* of the extent: what counts as one coordinate  */
+static const double SAME_TOL = 0.1;  /* of the largest gap: nearer coordinates are one       */
 static const double GRID_TOL = 1e-3; /* of a step: how far a point may lie from the grid */
 
 typedef struct grid_axis {
@@ -26,9 +26,12 @@ static grid_axis find_axis(const double *point, size_t n, int k, double *sorted)
         sorted[i] = point[3 * i + (size_t)k];
     qsort(sorted, n, sizeof *sorted, compare_double);
     const double extent = sorted[n - 1] - sorted[0];
+    double gap = 0.0; /* on a grid the step */
+    for (size_t i = 1; i < n; i++)
+        gap = fmax(gap, sorted[i] - sorted[i - 1]);
     grid_axis axis = {.min = sorted[0], .n = 1};
     for (size_t i = 1; i < n; i++)
-        axis.n += sorted[i] - sorted[i - 1] > SAME_TOL * extent;
+        axis.n += sorted[i] - sorted[i - 1] > SAME_TOL * gap;
     axis.step = axis.n > 1 ? extent / (double)(axis.n - 1) : 0.0;
     return axis;
 }
