@@ -19,20 +19,22 @@ enum { DIF_FIT_RIDGE_MAX = 16, DIF_FIT_HARMONIC_MAX = 32 };
 
 /* The line shape that one order has in f: |W^(f)|^2 of the coherence window. */
 typedef struct dif_fit_line {
-    bool known;             /* false: a Gaussian of free width (a real instrument)                         */
-    dif_window window;      /* known: the window that made the table,                                      */
+    bool known;                  /* false: a Gaussian of free width (a real instrument)                         */
+    dif_window window;           /* known: the window that made the table,                                      */
     double size_x_um, size_y_um; /* and the patch that cuts it                                             */
+    dif_average average;         /* known: how windows were averaged (welch tiles `window.sigma_um` itself)     */
+    double pitch_um;        /* known: of the samples along the plane, or NaN; tells where their ghosts lie     */
 } dif_fit_line;
 
 typedef struct dif_fit_table_opts {
     dif_fit_line line;
-    dif_index index;         /* of the sample, to divide the gain out when the quantity is rho or brdf       */
-    int n_ridge_max;         /* ridges to try, 1 ... DIF_FIT_RIDGE_MAX; an information criterion decides     */
-    int order;               /* order of the strongest ridge, or DIF_FIT_ORDER_FIND                          */
-    double period_start_um;  /* start value, or NaN to take it from the data                                 */
-    bool offset_free;        /* fit an angular offset of the goniometer                                      */
-    int n_part;              /* disjoint parts (bands of wavelengths) for the scatter, >= 2                  */
-    bool common_period;      /* all ridges are orders of one period (a grating); false: each its own (a scan) */
+    dif_index index;        /* of the sample, to divide the gain out when the quantity is rho or brdf       */
+    int n_ridge_max;        /* ridges to try, 1 ... DIF_FIT_RIDGE_MAX; an information criterion decides     */
+    int order;              /* order of the strongest ridge, or DIF_FIT_ORDER_FIND                          */
+    double period_start_um; /* start value, or NaN to take it from the data                                 */
+    bool offset_free;       /* fit an angular offset of the goniometer                                      */
+    int n_part;             /* disjoint parts (bands of wavelengths) for the scatter, >= 2                  */
+    bool common_period;     /* all ridges are orders of one period (a grating); false: each its own (a scan) */
 } dif_fit_table_opts;
 
 #define DIF_FIT_ORDER_FIND (-1000000)
@@ -42,25 +44,25 @@ dif_fit_table_opts dif_fit_table_opts_default(void);
 
 typedef struct dif_fit_ridge {
     int order;
-    double f_per_um, f_sd_per_um;        /* centre, signed as -(u,v).s/lambda; from the covariance          */
-    double period_um;                    /* |order / f|, NaN for order 0                                    */
-    double period_sd_um;                 /* from the covariance                                             */
-    double period_scatter_um;            /* standard error from the scatter over disjoint parts             */
-    double weight;                       /* share of the fitted power, sums to 1 over ridges                 */
-    double width_per_um;                 /* rms width in f (line shape, or the fitted one)                    */
+    double f_per_um, f_sd_per_um; /* centre, signed as -(u,v).s/lambda; from the covariance          */
+    double period_um;             /* |order / f|, NaN for order 0                                    */
+    double period_sd_um;          /* from the covariance                                             */
+    double period_scatter_um;     /* standard error from the scatter over disjoint parts             */
+    double weight;                /* share of the fitted power, sums to 1 over ridges                 */
+    double width_per_um;          /* rms width in f (line shape, or the fitted one)                    */
 } dif_fit_ridge;
 
 typedef struct dif_fit_result {
     int n_ridge;
-    dif_fit_ridge ridge[DIF_FIT_RIDGE_MAX];    /* strongest first                                            */
-    double period_um;                          /* of the grating (common period) or of the strongest ridge   */
-    double period_sd_um, period_scatter_um;    /* from the covariance; from disjoint parts                   */
-    double period_uncertainty_um;              /* the stated one: the larger of the two                      */
-    double offset_rad, offset_sd_rad;          /* 0 and 0 if not fitted                                      */
-    double residual_rms, residual_share;       /* recomputed outside the solver: rms; rms / rms of the data   */
-    double criterion;                          /* BIC of the accepted model                                  */
+    dif_fit_ridge ridge[DIF_FIT_RIDGE_MAX]; /* strongest first                                            */
+    double period_um;                       /* of the grating (common period) or of the strongest ridge   */
+    double period_sd_um, period_scatter_um; /* from the covariance; from disjoint parts                   */
+    double period_uncertainty_um;           /* the stated one: the larger of the two                      */
+    double offset_rad, offset_sd_rad;       /* 0 and 0 if not fitted                                      */
+    double residual_rms, residual_share;    /* recomputed outside the solver: rms; rms / rms of the data   */
+    double criterion;                       /* BIC of the accepted model                                  */
     int n_data, n_parameter, n_iteration, n_part;
-    char note[160];                            /* what a reader must know, or empty                          */
+    char note[160]; /* what a reader must know, or empty                          */
 } dif_fit_result;
 
 /* Fits ridges  R = sum_m C_m(kappa_z) L(f - m/d) + background  to a table.
@@ -70,9 +72,9 @@ DIF_MUST_USE dif_status dif_fit_table(const dif_table *table, const dif_fit_tabl
                                       dif_error *err);
 
 typedef struct dif_fit_surface_opts {
-    int n_harmonic;          /* 1 ... DIF_FIT_HARMONIC_MAX, or 0 = the criterion decides     */
-    double period_start_um;  /* or NaN to take it from the power spectrum                    */
-    int n_part;              /* bands of the scan, >= 2                                      */
+    int n_harmonic;         /* 1 ... DIF_FIT_HARMONIC_MAX, or 0 = the criterion decides     */
+    double period_start_um; /* or NaN to take it from the power spectrum                    */
+    int n_part;             /* bands of the scan, >= 2                                      */
 } dif_fit_surface_opts;
 
 dif_fit_surface_opts dif_fit_surface_opts_default(void);
@@ -82,11 +84,12 @@ typedef struct dif_fit_surface_result {
     double period_sd_um;          /* from the covariance (white noise)              */
     double period_scatter_um;     /* standard error from the scatter over bands     */
     double band_sd_um;            /* standard deviation of the bands' periods       */
-    double period_uncertainty_um; /* the larger of the two standard errors          */
+    double period_profile_um;     /* from the covariance, counting a misfit that repeats in every line once */
+    double period_uncertainty_um; /* the largest of the three standard errors       */
     double psi_rad, psi_sd_rad;   /* azimuth of the groove normal, [0, pi)          */
     int n_harmonic, n_part, n_iteration;
-    double amplitude_um[DIF_FIT_HARMONIC_MAX];  /* of harmonic 1 ... n_harmonic     */
-    double residual_rms_um, residual_share;     /* recomputed outside the solver    */
+    double amplitude_um[DIF_FIT_HARMONIC_MAX]; /* of harmonic 1 ... n_harmonic     */
+    double residual_rms_um, residual_share;    /* recomputed outside the solver    */
     char note[160];
 } dif_fit_surface_result;
 
