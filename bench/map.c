@@ -6,6 +6,7 @@
 #include <math.h>
 #include <omp.h>
 
+#include "bench/map_methods.h"
 #include "bench/measure_impl.h"
 #include "core/alloc.h"
 #include "core/direct.h"
@@ -58,9 +59,7 @@ static dif_status check_plan(const dif_map_plan *plan, const dif_measure_opts *o
             return dif_fail(err, DIF_ERR_ARG, "wavelength %g um, want > 0", plan->lambda_um[i]);
     if (plan->n_lambda < 1)
         return dif_fail(err, DIF_ERR_ARG, "no wavelengths");
-    if (opts->method == DIF_METHOD_TAYLOR)
-        return dif_fail(err, DIF_ERR_UNSUPPORTED, "maps are measured by sheet or direct");
-    return DIF_OK;
+    return dif_map_check_method(plan, opts, err);
 }
 
 static dif_vec3 wi_of(const dif_map_plan *plan, dif_vec3 other)
@@ -87,8 +86,8 @@ static void fill_pixels(const map_job *job, double area_um2)
             job->cosine[at] = inside ? plan->fixed.z + other.z : -1.0;
             job->gain[at] = 0.0f;
             if (inside)
-                job->gain[at] = (float)dif_brdf_gain(job->opts->quantity, job->opts->index, wi_of(plan, other),
-                                                     wo_of(plan, other), 1.0, area_um2);
+                job->gain[at] = (float)dif_method_gain(job->opts, job->opts->quantity, wi_of(plan, other),
+                                                       wo_of(plan, other), area_um2);
         }
 }
 
@@ -296,6 +295,22 @@ static dif_status map_by_direct(const map_job *job, const dif_field *field, cons
     return status;
 }
 
+static dif_status map_by(const map_job *job, const dif_field *field, double tol, const dif_window_set *set,
+                         dif_measure_stats *stats, dif_error *err)
+{
+    if (job->opts->method == DIF_METHOD_DIRECT)
+        return map_by_direct(job, field, set, stats, err);
+    if (job->opts->method == DIF_METHOD_SHEET)
+        return map_by_sheet(job, field, tol, set, stats, err);
+    const dif_map_sums to = {.plan = job->plan,
+                             .weight = (const double(*)[3])job->weight,
+                             .gain = job->gain,
+                             .per_lambda2 = job->opts->quantity == DIF_QUANTITY_BRDF,
+                             .sums = job->sums,
+                             .layer = job->map->layer};
+    return dif_map_by_method(&to, field, tol, job->opts, set, stats, err);
+}
+
 dif_status dif_map_measure(const dif_field *field, const dif_map_plan *plan, double tol, const dif_measure_opts *opts,
                            dif_map *out, dif_measure_stats *stats, dif_error *err)
 {
@@ -319,8 +334,7 @@ dif_status dif_map_measure(const dif_field *field, const dif_map_plan *plan, dou
     if (status == DIF_OK)
         status = job_make(&job, set.area_um2, err);
     if (status == DIF_OK)
-        status = opts->method == DIF_METHOD_DIRECT ? map_by_direct(&job, field, &set, stats, err)
-                                                   : map_by_sheet(&job, field, tol, &set, stats, err);
+        status = map_by(&job, field, tol, &set, stats, err);
     if (status == DIF_OK)
         finish(&job);
     else

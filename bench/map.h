@@ -28,8 +28,9 @@ typedef struct dif_map {
 /* Measures a map.
  *
  * Given     tol  wanted |amplitude error| / sum W, as for tables
- *           opts method must be DIF_METHOD_SHEET or DIF_METHOD_DIRECT
- * Status    DIF_ERR_ARG, DIF_ERR_TOL, DIF_ERR_SIZE, DIF_ERR_NOMEM, DIF_ERR_FOREIGN; *out zeroed on failure
+ *           opts any method; sheet is the fast one, the others are read pixel by pixel
+ * Status    DIF_ERR_ARG, DIF_ERR_TOL, DIF_ERR_SIZE, DIF_ERR_NOMEM, DIF_ERR_FOREIGN, DIF_ERR_UNSUPPORTED (layers by
+ *           nmm, brdf by thesis); *out zeroed on failure
  * Owns      the caller frees with dif_map_free */
 DIF_MUST_USE dif_status dif_map_measure(const dif_field *field, const dif_map_plan *plan, double tol,
                                         const dif_measure_opts *opts, dif_map *out, dif_measure_stats *stats,

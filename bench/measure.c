@@ -10,7 +10,7 @@
 #include "core/sheet.h"
 #include "core/units.h"
 
-static const char *const METHOD_NAMES[] = {"sheet", "taylor", "direct"};
+static const char *const METHOD_NAMES[] = {"sheet", "taylor", "direct", "thesis", "nmm", "pq", "stam"};
 enum { N_METHOD = sizeof METHOD_NAMES / sizeof *METHOD_NAMES, DIRECT_CELLS = 64 };
 
 const char *dif_method_name(dif_method method)
@@ -37,6 +37,13 @@ dif_measure_opts dif_measure_opts_default(void)
                               .average = DIF_AVERAGE_NONE,
                               .quantity = DIF_QUANTITY_RHO,
                               .index = dif_index_default(),
+                              .thesis_terms = DIF_THESIS_TERMS,
+                              .period_um = (double)NAN,
+                              .period_across_um = (double)NAN,
+                              .n_replica = DIF_REPLICAS_FROM_WINDOW,
+                              .n_replica_across = DIF_REPLICAS_FROM_WINDOW,
+                              .nmm_jacobian = true,
+                              .nmm_fixed = 8,
                               .n_thread = 0};
 }
 
@@ -147,8 +154,18 @@ static dif_status table_by_direct(const dif_field *field, const dif_plan *plan, 
     return DIF_OK;
 }
 
+static dif_status table_by(const dif_field *field, const dif_plan *plan, double tol, const dif_measure_opts *opts,
+                           const dif_window_set *set, double *value, dif_measure_stats *stats, dif_error *err)
+{
+    if (opts->method == DIF_METHOD_DIRECT)
+        return table_by_direct(field, plan, opts, set, value, stats, err);
+    if (opts->method == DIF_METHOD_SHEET || opts->method == DIF_METHOD_TAYLOR)
+        return table_by_sheet(field, plan, tol, opts, set, value, stats, err);
+    return dif_table_by_method(field, plan, tol, opts, set, value, stats, err);
+}
+
 /* From powers to the wanted quantity. Only the BRDF's gain depends on the wavelength, as 1/lambda^2. */
-static void apply_gain(dif_table *table, dif_index index, double area_um2)
+static void apply_gain(dif_table *table, const dif_measure_opts *opts, double area_um2)
 {
     const dif_plan *plan = &table->plan;
     if (table->quantity == DIF_QUANTITY_POWER)
@@ -157,7 +174,7 @@ static void apply_gain(dif_table *table, dif_index index, double area_um2)
     for (int ia = 0; ia < plan->n_angle; ia++) {
         dif_vec3 wi, wo;
         dif_plan_directions(plan, ia, &wi, &wo);
-        const double gain = dif_brdf_gain(table->quantity, index, wi, wo, 1.0, area_um2);
+        const double gain = dif_method_gain(opts, table->quantity, wi, wo, area_um2);
         for (int il = 0; il < plan->n_lambda; il++) {
             const double lambda_um = plan->lambda_um[il];
             table->value[(size_t)il * (size_t)plan->n_angle + (size_t)ia] *=
@@ -181,6 +198,8 @@ dif_status dif_measure_table(const dif_field *field, const dif_plan *plan, doubl
     dif_status status = dif_measure_check_opts(field, tol, opts, err);
     if (status == DIF_OK)
         status = dif_plan_check(plan, err);
+    if (status == DIF_OK && opts->method == DIF_METHOD_THESIS && opts->quantity == DIF_QUANTITY_BRDF)
+        status = dif_fail(err, DIF_ERR_UNSUPPORTED, "the source's program has no absolute BRDF: its gain is 1");
     if (status == DIF_OK)
         status = dif_table_create(plan, opts->quantity, out, err);
     if (status != DIF_OK)
@@ -188,16 +207,14 @@ dif_status dif_measure_table(const dif_field *field, const dif_plan *plan, doubl
     const int threads = dif_measure_threads(opts);
     status = dif_window_set_make(field, opts, &set, err);
     if (status == DIF_OK)
-        status = opts->method == DIF_METHOD_DIRECT
-                     ? table_by_direct(field, plan, opts, &set, out->value, stats, err)
-                     : table_by_sheet(field, plan, tol, opts, &set, out->value, stats, err);
+        status = table_by(field, plan, tol, opts, &set, out->value, stats, err);
     omp_set_num_threads(threads);
     stats->n_window = set.n;
     stats->n_sample = (size_t)plan->n_angle * (size_t)plan->n_lambda;
     stats->area_um2 = set.area_um2;
     dif_window_set_free(&set);
     if (status == DIF_OK)
-        apply_gain(out, opts->index, stats->area_um2);
+        apply_gain(out, opts, stats->area_um2);
     else
         dif_table_free(out);
     return status;

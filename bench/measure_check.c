@@ -16,11 +16,13 @@ static unsigned long long random_next(unsigned long long *state)
     return z ^ (z >> 31);
 }
 
-static void note_cell(const dif_table *table, size_t cell, dif_index index, double area_um2, const dif_query *query,
-                      const dif_sample *direct, dif_measure_check *out)
+static void note_cell(const dif_table *table, size_t cell, const dif_measure_opts *opts, double area_um2,
+                      const dif_query *query, const dif_sample *direct, dif_measure_check *out)
 {
     const dif_plan *plan = &table->plan;
-    const double gain = dif_brdf_gain(table->quantity, index, query->wi, query->wo, query->lambda_um, area_um2);
+    double gain = 1.0; /* the source's program has none */
+    if (opts->method != DIF_METHOD_THESIS)
+        gain = dif_brdf_gain(table->quantity, opts->index, query->wi, query->wo, query->lambda_um, area_um2);
     const double amplitude = sqrt(table->value[cell] / gain), error = fabs(amplitude - sqrt(direct->power));
     if (error <= out->worst_amplitude && out->n_sample > 0)
         return;
@@ -43,7 +45,8 @@ dif_status dif_measure_check_table(const dif_field *field, const dif_table *tabl
     size_t *cell = dif_alloc((size_t)n, sizeof *cell);
     dif_query *query = dif_alloc((size_t)n, sizeof *query);
     dif_sample *sample = dif_alloc((size_t)n, sizeof *sample);
-    dif_measure_opts direct = opts ? *opts : dif_measure_opts_default();
+    const dif_measure_opts own = opts ? *opts : dif_measure_opts_default();
+    dif_measure_opts direct = own;
     dif_measure_stats stats;
     direct.method = DIF_METHOD_DIRECT;
     direct.progress = NULL;
@@ -56,7 +59,7 @@ dif_status dif_measure_check_table(const dif_field *field, const dif_table *tabl
     if (status == DIF_OK)
         status = dif_measure_queries(field, (size_t)n, query, 0.5, &direct, sample, &stats, err);
     for (int i = 0; i < n && status == DIF_OK; i++, out->n_sample++)
-        note_cell(table, cell[i], direct.index, stats.area_um2, query + i, sample + i, out);
+        note_cell(table, cell[i], &own, stats.area_um2, query + i, sample + i, out);
     if (status == DIF_OK)
         out->direct_s_per_sample = stats.eval_wall_s / n;
     dif_release(cell);

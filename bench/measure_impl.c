@@ -41,10 +41,21 @@ void dif_window_set_free(dif_window_set *set)
     dif_release(set->share);
 }
 
+static dif_status area_of_replicas(const dif_field *field, const dif_measure_opts *opts, double *area_um2,
+                                   dif_error *err)
+{
+    dif_cell_layout layout;
+    const dif_status status = dif_cell_layout_make(field, opts, &layout, err);
+    const dif_replica *r = &layout.replica;
+    *area_um2 = status == DIF_OK ? r->nx * r->period_x_um * r->ny * r->period_y_um : 0.0;
+    return status;
+}
+
 dif_status dif_window_set_make(const dif_field *field, const dif_measure_opts *opts, dif_window_set *set,
                                dif_error *err)
 {
-    *set = (dif_window_set){.n = dif_window_tile_count(opts->window, opts->sigma_um, opts->average, field)};
+    const dif_average average = dif_method_has_windows(opts->method) ? opts->average : DIF_AVERAGE_NONE;
+    *set = (dif_window_set){.n = dif_window_tile_count(opts->window, opts->sigma_um, average, field)};
     set->window = dif_alloc((size_t)set->n, sizeof *set->window);
     set->share = dif_alloc((size_t)set->n, sizeof *set->share);
     double *wx = dif_alloc((size_t)field->nx, sizeof *wx), *wy = dif_alloc((size_t)field->ny, sizeof *wy);
@@ -53,7 +64,7 @@ dif_status dif_window_set_make(const dif_field *field, const dif_measure_opts *o
         status = dif_fail(err, DIF_ERR_NOMEM, "no memory for %d windows", set->n);
         goto done;
     }
-    dif_window_tile(opts->window, opts->sigma_um, opts->average, field, set->window);
+    dif_window_tile(opts->window, opts->sigma_um, average, field, set->window);
     double total = 0.0, total_w2 = 0.0;
     for (int i = 0; i < set->n; i++) {
         const dif_window_sums sums = dif_window_fill(set->window + i, field, wx, wy);
@@ -64,6 +75,10 @@ dif_status dif_window_set_make(const dif_field *field, const dif_measure_opts *o
     for (int i = 0; i < set->n; i++)
         set->share[i] /= total;
     set->area_um2 = field->pitch_x_um * field->pitch_y_um * total / total_w2;
+    if (opts->method == DIF_METHOD_PQ)
+        status = area_of_replicas(field, opts, &set->area_um2, err);
+    else if (opts->method == DIF_METHOD_STAM) /* of the unbounded Gaussian window */
+        set->area_um2 = 4.0 * DIF_PI * opts->sigma_um * opts->sigma_um;
 done:
     dif_release(wx);
     dif_release(wy);
@@ -84,7 +99,7 @@ dif_status dif_measure_check_opts(const dif_field *field, double tol, const dif_
                         opts->index.kappa);
     if (opts->n_thread < 0 || opts->n_thread > 1024)
         return dif_fail(err, DIF_ERR_ARG, "%d threads, want 0 (all) ... 1024", opts->n_thread);
-    return DIF_OK;
+    return dif_method_check_opts(field, opts, err);
 }
 
 dif_sheet_opts dif_measure_sheet_opts(const dif_measure_opts *opts)
@@ -93,6 +108,7 @@ dif_sheet_opts dif_measure_sheet_opts(const dif_measure_opts *opts)
     if (opts->method == DIF_METHOD_TAYLOR)
         out.basis = DIF_BASIS_POWERS;
     out.n_terms = opts->n_terms;
+    out.force_single = opts->single && opts->method == DIF_METHOD_TAYLOR;
     return out;
 }
 

@@ -67,12 +67,47 @@ static dif_status read_volume(const dif_sheet *sheet, size_t n, const dif_vec3 *
     return status;
 }
 
+/* Queries first ... first+n, n <= DIF_READ_MAX. */
+static void read_queries(const dif_reader *reader, int n, const dif_query *query, double (*amp)[2])
+{
+    dif_vec3 uvw[DIF_READ_MAX];
+    double lambda_um[DIF_READ_MAX];
+    for (int i = 0; i < n; i++) {
+        uvw[i] = dif_vec3_transfer(query[i].wi, query[i].wo);
+        lambda_um[i] = query[i].lambda_um;
+    }
+    dif_reader_read(reader, n, uvw, lambda_um, false, amp);
+}
+
+static dif_status amplitudes_by_method(const dif_field *field, const dif_window *window, const dif_measure_opts *opts,
+                                       double tol, size_t n, const dif_query *query, double (*amp)[2],
+                                       dif_measure_stats *stats, dif_error *err)
+{
+    dif_reach reach = dif_reach_empty();
+    dif_reader reader;
+    dif_stopwatch watch = dif_stopwatch_start();
+    for (size_t i = 0; i < n; i++)
+        dif_reach_add(&reach, dif_vec3_transfer(query[i].wi, query[i].wo), query[i].lambda_um);
+    const dif_status status = dif_reader_open(field, window, opts, tol, &reach, &reader, stats, err);
+    if (status != DIF_OK)
+        return status;
+    dif_stopwatch_lap(&watch, &stats->build_wall_s, &stats->build_cpu_s);
+#pragma omp parallel for schedule(dynamic)
+    for (size_t first = 0; first < n; first += DIF_READ_MAX)
+        read_queries(&reader, n - first < DIF_READ_MAX ? (int)(n - first) : DIF_READ_MAX, query + first, amp + first);
+    dif_stopwatch_lap(&watch, &stats->eval_wall_s, &stats->eval_cpu_s);
+    dif_reader_close(&reader);
+    return DIF_OK;
+}
+
 /* Amplitudes of all queries for one window, by any method. */
 static dif_status amplitudes(const dif_field *field, const dif_window *window, const dif_measure_opts *opts, double tol,
-                             const dif_band *band, size_t n, const dif_vec3 *kappa, double (*amp)[2],
-                             dif_measure_stats *stats, dif_error *err)
+                             const dif_band *band, size_t n, const dif_query *query, const dif_vec3 *kappa,
+                             double (*amp)[2], dif_measure_stats *stats, dif_error *err)
 {
     dif_stopwatch watch = dif_stopwatch_start();
+    if (opts->method != DIF_METHOD_DIRECT && opts->method != DIF_METHOD_SHEET && opts->method != DIF_METHOD_TAYLOR)
+        return amplitudes_by_method(field, window, opts, tol, n, query, amp, stats, err);
     if (opts->method == DIF_METHOD_DIRECT) {
         const dif_status status = dif_direct_amplitudes(field, window, n, kappa, amp, err);
         stats->bound = DIF_DIRECT_BOUND;
@@ -92,8 +127,16 @@ static dif_status amplitudes(const dif_field *field, const dif_window *window, c
     return status;
 }
 
-static void finish_sample(const dif_query *query, dif_index index, double area_um2, dif_sample *sample)
+static void finish_sample(const dif_query *query, const dif_measure_opts *opts, double area_um2, dif_sample *sample)
 {
+    const dif_index index = opts->index;
+    if (opts->method == DIF_METHOD_STAM)
+        sample->amp_re = sample->amp_im = (double)NAN;
+    if (opts->method == DIF_METHOD_THESIS) { /* its gain is 1 */
+        sample->rho = sample->power;
+        sample->brdf_per_sr = (double)NAN;
+        return;
+    }
     sample->rho = sample->power * dif_brdf_gain_rho(index, query->wi, query->wo);
     sample->brdf_per_sr = sample->power * dif_brdf_gain_per_sr(index, query->wi, query->wo, query->lambda_um, area_um2);
 }
@@ -109,7 +152,7 @@ static dif_status measure_queries(const dif_field *field, size_t n, const dif_qu
     if (status == DIF_OK)
         status = kappa_make(n, query, kappa, &band, err);
     for (int w = 0; w < set->n && status == DIF_OK; w++) {
-        status = amplitudes(field, set->window + w, opts, tol, &band, n, kappa, amp, stats, err);
+        status = amplitudes(field, set->window + w, opts, tol, &band, n, query, kappa, amp, stats, err);
         for (size_t i = 0; i < n && status == DIF_OK; i++) {
             out[i].power += set->share[w] * (amp[i][0] * amp[i][0] + amp[i][1] * amp[i][1]);
             out[i].amp_re = set->n == 1 ? amp[i][0] : (double)NAN;
@@ -118,7 +161,7 @@ static dif_status measure_queries(const dif_field *field, size_t n, const dif_qu
         dif_measure_progress(opts, (w + 1.0) / set->n);
     }
     for (size_t i = 0; i < n && status == DIF_OK; i++)
-        finish_sample(query + i, opts->index, set->area_um2, out + i);
+        finish_sample(query + i, opts, set->area_um2, out + i);
     dif_release(kappa);
     dif_release(amp);
     return status;

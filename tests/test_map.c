@@ -158,8 +158,9 @@ static void test_measure__bad_arguments_have_their_codes(void **state)
     plan.n_pixel = 1000000;
     assert_int_equal(dif_map_measure(&field, &plan, 1e-3, &opts, &map, NULL, &err), DIF_ERR_ARG);
     plan.n_pixel = 16;
-    opts.method = DIF_METHOD_TAYLOR;
+    opts.method = DIF_METHOD_NMM;
     assert_int_equal(dif_map_measure(&field, &plan, 1e-3, &opts, &map, NULL, &err), DIF_ERR_UNSUPPORTED);
+    assert_string_equal(err.text, "nmm has no spectral layers: each pixel has wavelengths of its own");
     opts.method = DIF_METHOD_SHEET;
     plan.fixed.z = 0.0;
     assert_int_equal(dif_map_measure(&field, &plan, 1e-3, &opts, &map, NULL, &err), DIF_ERR_ARG);
