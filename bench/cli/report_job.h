@@ -60,9 +60,9 @@ typedef struct dif_report_data {
     dif_maxima maxima;  /* owned */
     dif_maxima on_line; /* those of them that lie on a line of the fitted period; owned */
     int n_line;
-    double *line;   /* line[n_line][3]: f, mean power, cells; owned */
-    size_t n_below; /* cells with p < tol^2           */
-    double p_min;   /* smallest p of the table        */
+    double (*line)[3]; /* line[n_line]: f, mean power, cells; owned */
+    size_t n_below;    /* cells with p < tol^2           */
+    double p_min;      /* smallest p of the table        */
     int n_order;
     double order_lambda_um;
     dif_report_order order[DIF_REPORT_ORDER_MAX];

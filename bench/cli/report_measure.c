@@ -65,7 +65,7 @@ dif_status dif_report_fold(const dif_report_job *job, dif_report_data *data, dif
     const double width = 1.0 / (3.0 * 2.0 * sqrt(2.0) * DIF_PI * job->opts.sigma_um);
     const double wanted = (f_max - f_min) / width;
     const int n = wanted < 1.0 ? 1 : wanted < LINE_BIN_MAX ? (int)wanted : LINE_BIN_MAX;
-    double *line = dif_alloc((size_t)n * 3, sizeof(double));
+    double(*line)[3] = dif_alloc((size_t)n, sizeof *line);
     if (!line)
         return dif_fail(err, DIF_ERR_NOMEM, "spectral lines, %d bins", n);
     const double step = f_max > f_min ? (f_max - f_min) / n : 1.0;
@@ -77,7 +77,7 @@ dif_status dif_report_fold(const dif_report_job *job, dif_report_data *data, dif
             if (!isfinite(p))
                 continue;
             const int bin = (int)((sin_sum / plan->lambda_um[il] - f_min) / step);
-            double *at = line + 3 * (bin < 0 ? 0 : bin >= n ? n - 1 : bin);
+            double *at = line[bin < 0 ? 0 : bin >= n ? n - 1 : bin];
             at[1] += p;
             at[2] += 1.0;
             data->n_below += p < job->tol * job->tol;
@@ -85,8 +85,8 @@ dif_status dif_report_fold(const dif_report_job *job, dif_report_data *data, dif
         }
     }
     for (int i = 0; i < n; i++) {
-        line[3 * i] = f_min + (i + 0.5) * step;
-        line[3 * i + 1] /= fmax(line[3 * i + 2], 1.0);
+        line[i][0] = f_min + (i + 0.5) * step;
+        line[i][1] /= fmax(line[i][2], 1.0);
     }
     data->line = line;
     data->n_line = n;

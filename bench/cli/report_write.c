@@ -69,7 +69,7 @@ static dif_status write_lines(const char *path, const dif_report_job *job, const
     write_comments(out.stream, &job->provenance);
     fputs(DIF_RESULT_LINES_HEADER "\n", out.stream);
     for (int i = 0; i < data->n_line; i++)
-        fprintf(out.stream, "%.9g,%.9g,%.0f\n", data->line[3 * i], data->line[3 * i + 1], data->line[3 * i + 2]);
+        fprintf(out.stream, "%.9g,%.9g,%.0f\n", data->line[i][0], data->line[i][1], data->line[i][2]);
     return dif_outfile_commit(&out, err);
 }
 
