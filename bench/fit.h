@@ -23,7 +23,7 @@ typedef struct dif_fit_line {
     dif_window window;           /* known: the window that made the table,                                      */
     double size_x_um, size_y_um; /* and the patch that cuts it                                             */
     dif_average average;         /* known: how windows were averaged (welch tiles `window.sigma_um` itself)     */
-    double pitch_um;        /* known: of the samples along the plane, or NaN; tells where their ghosts lie     */
+    double pitch_um;             /* known: of the samples along the plane, or NaN; tells where their ghosts lie     */
 } dif_fit_line;
 
 typedef struct dif_fit_table_opts {
@@ -57,7 +57,8 @@ typedef struct dif_fit_result {
     dif_fit_ridge ridge[DIF_FIT_RIDGE_MAX]; /* strongest first                                            */
     double period_um;                       /* of the grating (common period) or of the strongest ridge   */
     double period_sd_um, period_scatter_um; /* from the covariance; from disjoint parts                   */
-    double period_uncertainty_um;           /* the stated one: the larger of the two                      */
+    double period_model_um;                 /* what the last refinement of the model moved, 0 if there was none */
+    double period_uncertainty_um;           /* the stated one: the largest of the three                  */
     double offset_rad, offset_sd_rad;       /* 0 and 0 if not fitted                                      */
     double residual_rms, residual_share;    /* recomputed outside the solver: rms; rms / rms of the data   */
     double criterion;                       /* BIC of the accepted model                                  */

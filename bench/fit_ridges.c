@@ -1,0 +1,224 @@
+#include "bench/fit_ridges.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "core/alloc.h"
+
+static int by_f(const fit_group *a, const fit_group *b)
+{
+    return (a->f_low > b->f_low) - (a->f_low < b->f_low);
+}
+
+static void sort_groups(int n, fit_group *g)
+{
+    for (int i = 1; i < n; i++)
+        for (int j = i; j > 0 && by_f(&g[j - 1], &g[j]) > 0; j--) {
+            const fit_group swap = g[j];
+            g[j] = g[j - 1];
+            g[j - 1] = swap;
+        }
+}
+
+int fit_ridges_group(const fit_view *view, double reach_per_um, int n, const double *centre,
+                     fit_group group[DIF_FIT_RIDGE_MAX])
+{
+    fit_group one[DIF_FIT_RIDGE_MAX];
+    for (int k = 0; k < n; k++) {
+        one[k] = (fit_group){.n_level = FIT_LEVEL, .n_slope = FIT_SLOPE};
+        one[k].f_low = fmax(centre[k] - reach_per_um, view->f_low);
+        one[k].f_high = fmin(centre[k] + reach_per_um, view->f_high);
+    }
+    sort_groups(n, one);
+    int n_group = 0;
+    for (int k = 0; k < n; k++) {
+        if (n_group > 0 && one[k].f_low <= group[n_group - 1].f_high)
+            group[n_group - 1].f_high = fmax(group[n_group - 1].f_high, one[k].f_high);
+        else
+            group[n_group++] = one[k];
+    }
+    return n_group;
+}
+
+/* What the cells around one centre cover. */
+typedef struct coverage {
+    double kz_low, kz_high;
+    int n_lambda;        /* wavelengths with a cell within one width */
+    int n_left, n_right; /* cells on either side                     */
+} coverage;
+
+static coverage cover(int n, const fit_cell *cells, int group, double centre, double sigma)
+{
+    coverage c = {.kz_low = INFINITY, .kz_high = -INFINITY};
+    int last = -1;
+    for (int i = 0; i < n; i++) {
+        const double t = (cells[i].f_per_um - centre) / sigma;
+        if (cells[i].group != group || fabs(t) > 2.5)
+            continue;
+        c.kz_low = fmin(c.kz_low, cells[i].kz_rad_per_um);
+        c.kz_high = fmax(c.kz_high, cells[i].kz_rad_per_um);
+        c.n_left += t < -0.5;
+        c.n_right += t > 0.5;
+        if (fabs(t) < 1.0 && cells[i].i_lambda != last) {
+            last = cells[i].i_lambda;
+            c.n_lambda++;
+        }
+    }
+    return c;
+}
+
+static void group_range(fit_group *g, int index, int n, const fit_cell *cells)
+{
+    g->kz_low = INFINITY;
+    g->kz_high = -INFINITY;
+    for (int i = 0; i < n; i++)
+        if (cells[i].group == index) {
+            g->kz_low = fmin(g->kz_low, cells[i].kz_rad_per_um);
+            g->kz_high = fmax(g->kz_high, cells[i].kz_rad_per_um);
+        }
+}
+
+bool fit_ridges_range(fit_model *model, int n, const fit_cell *cells, const double *centre, int *lost)
+{
+    for (int g = 0; g < model->n_group; g++)
+        group_range(&model->group[g], g, n, cells);
+    for (int k = 0; k < model->n_ridge; k++) {
+        fit_ridge *r = &model->ridge[k];
+        const coverage c = cover(n, cells, r->group, centre[k], model->line->sigma_per_um);
+        *lost = k;
+        if (c.n_lambda < FIT_LAMBDA_MIN || c.n_left < FIT_LAMBDA_MIN || c.n_right < FIT_LAMBDA_MIN)
+            return false;
+        r->kz_low = c.kz_low;
+        r->kz_high = c.kz_high;
+        const int cap = c.n_lambda / 6 > 3 ? c.n_lambda / 6 : 3;
+        r->n_coef = r->n_coef > cap ? cap : r->n_coef;
+        r->n_side = r->n_side > cap ? cap : r->n_side;
+    }
+    return true;
+}
+
+double fit_ridges_strength(const fit_state *state, int k)
+{
+    const fit_model *m = &state->model;
+    const double offset = fit_model_offset(m, state->par), width = fit_model_width(m, state->par);
+    double sum = 0.0;
+    int n = 0;
+    for (int i = 0; i < state->n_cell; i++) {
+        const double f = fit_model_frequency(&state->cell[i], offset, NULL);
+        if (state->cell[i].group == m->ridge[k].group && fabs(f - fit_model_centre(m, state->par, k)) < width) {
+            const double c = fit_model_amplitude(m, state->par, k, state->cell[i].kz_rad_per_um);
+            sum += m->coherent ? c * c : c;
+            n++;
+        }
+    }
+    return n > 0 ? sum / n : 0.0;
+}
+
+double fit_ridges_criterion(const fit_state *s, double n_independent)
+{
+    const double variance = s->outcome.residual_rms * s->outcome.residual_rms;
+    return n_independent * log(variance + 1e-300) + s->model.n_par * log(n_independent);
+}
+
+/* The cells of one group as a problem of their own. */
+static dif_status extract_group(const fit_state *all, int g, fit_state *out, dif_error *err)
+{
+    memset(out, 0, sizeof *out);
+    out->cell = dif_alloc((size_t)all->n_cell, sizeof *out->cell);
+    if (!out->cell)
+        return dif_fail(err, DIF_ERR_NOMEM, "%d cells", all->n_cell);
+    for (int i = 0; i < all->n_cell; i++)
+        if (all->cell[i].group == g) {
+            out->cell[out->n_cell] = all->cell[i];
+            out->cell[out->n_cell++].group = 0;
+        }
+    out->model.line = all->model.line;
+    out->model.n_group = 1;
+    out->model.group[0] = all->model.group[g];
+    return DIF_OK;
+}
+
+static bool is_sane(const fit_state *s, const double *start)
+{
+    const double sigma = s->model.line->sigma_per_um;
+    for (int k = 0; k < s->model.n_ridge; k++) {
+        if (!(fabs(s->par[k] - start[k]) < 2.5 * sigma) || !(fit_ridges_strength(s, k) > 0.0))
+            return false;
+        for (int j = 0; j < k; j++)
+            if (fabs(s->par[k] - s->par[j]) < 1.5 * sigma)
+                return false;
+    }
+    return true;
+}
+
+/* Starts amplitudes from zero and centres from the given ones. */
+static void start_from(fit_state *s, const double *centre)
+{
+    fit_model_number(&s->model);
+    memset(s->par, 0, sizeof s->par);
+    for (int k = 0; k < s->model.n_ridge; k++)
+        s->par[k] = centre[k];
+}
+
+/* Adds candidates to one group's model while the criterion falls; one and trial are two states of the group. */
+static dif_status grow(fit_state *one, fit_state *trial, int n, const fit_candidate *candidate, int n_free,
+                       dif_error *err)
+{
+    double centre[DIF_FIT_RIDGE_MAX] = {0};
+    int lost = 0;
+    fit_ridges_range(&one->model, one->n_cell, one->cell, centre, &lost);
+    start_from(one, centre);
+    dif_status status = fit_model_solve(&one->model, one->n_cell, one->cell, FIT_PLAIN, one->par, &one->outcome, err);
+    for (int c = 0; c < n && status == DIF_OK && one->model.n_ridge < n_free; c++) {
+        const double f = candidate[c].f_per_um;
+        if (f < one->model.group[0].f_low || f > one->model.group[0].f_high)
+            continue;
+        fit_cell *cells = trial->cell;
+        *trial = *one;
+        trial->cell = cells;
+        for (int k = 0; k < one->model.n_ridge; k++)
+            centre[k] = one->par[k];
+        const int k = trial->model.n_ridge++;
+        trial->model.ridge[k] = (fit_ridge){.n_coef = 6};
+        centre[k] = f;
+        if (!fit_ridges_range(&trial->model, trial->n_cell, cells, centre, &lost))
+            continue;
+        start_from(trial, centre);
+        status = fit_model_solve(&trial->model, trial->n_cell, cells, FIT_PLAIN, trial->par, &trial->outcome, err);
+        const double n_independent = trial->outcome.n_independent;
+        if (status == DIF_OK && is_sane(trial, centre) &&
+            fit_ridges_criterion(trial, n_independent) < fit_ridges_criterion(one, n_independent)) {
+            cells = one->cell;
+            *one = *trial;
+            one->cell = cells;
+        }
+    }
+    return status;
+}
+
+dif_status fit_ridges_choose(fit_state *state, int n, const fit_candidate *candidate, dif_error *err)
+{
+    dif_status status = DIF_OK;
+    fit_state *one = dif_alloc(2, sizeof *one);
+    if (!one)
+        return dif_fail(err, DIF_ERR_NOMEM, "fits of single stretches");
+    for (int g = 0; g < state->model.n_group && status == DIF_OK; g++) {
+        dif_release(one[0].cell);
+        one[0].cell = NULL;
+        status = extract_group(state, g, &one[0], err);
+        if (status != DIF_OK)
+            break;
+        one[1].cell = one[0].cell; /* the same cells, read only from here on */
+        status = grow(&one[0], &one[1], n, candidate, DIF_FIT_RIDGE_MAX - state->model.n_ridge, err);
+        for (int k = 0; k < one[0].model.n_ridge && status == DIF_OK; k++) {
+            fit_ridge *r = &state->model.ridge[state->model.n_ridge];
+            *r = one[0].model.ridge[k];
+            r->group = g;
+            r->f_per_um = one[0].par[k];
+            state->par[state->model.n_ridge++] = r->f_per_um;
+        }
+    }
+    dif_release(one[0].cell);
+    dif_release(one);
+    return status;
+}
