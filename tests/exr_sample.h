@@ -46,7 +46,7 @@ static inline void exr_sample_header(exr_context_t context, const exr_sample *sa
     const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
     int index = 0;
     const exr_storage_t storage = sample->tile ? EXR_STORAGE_TILED : EXR_STORAGE_SCANLINE;
-    char name[8];
+    char name[16];
     snprintf(name, sizeof name, "part%d", part);
     assert_int_equal(exr_add_part(context, sample->n_part > 1 ? name : NULL, storage, &index), EXR_ERR_SUCCESS);
     assert_int_equal(exr_initialize_required_attr(context, index, &window, &window, 1.0f, &centre, 1.0f,
