@@ -85,9 +85,10 @@ static void write_summary(FILE *html, const json_t *docs)
         fputs("</tr>\n", html);
     }
     fputs(
-        "</tbody><caption>Uncertainties are standard uncertainties (k&nbsp;=&nbsp;1), the larger of the fit's "
-        "covariance "
-        "and the scatter over disjoint parts of the data. A period passes if it lies within twice its uncertainty "
+        "</tbody><caption>Uncertainties are standard uncertainties (k&nbsp;=&nbsp;1), the largest of what the fit’s "
+        "covariance, "
+        "the scatter over disjoint parts of the data and the model’s own limits give. A period passes if it lies "
+        "within twice its uncertainty "
         "(k&nbsp;=&nbsp;2, about 95&nbsp;%) of the value the surface was made with; an error passes if the largest one "
         "found is at most the tolerance asked for. "
         "“No reference” means that nothing independent is known to hold the number "

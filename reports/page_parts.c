@@ -118,7 +118,7 @@ static void write_fit_row(FILE *html, const json_t *doc, const char *name, const
     fputs("</td>", html);
     if (!dif_result_true(fit, "ok")) {
         const bool has_known = isfinite(dif_result_number(doc, "known.period_nm"));
-        fprintf(html, "<td colspan=\"%d\">no period: ", has_known ? 5 : 3);
+        fprintf(html, "<td colspan=\"%d\">no period: ", has_known ? 6 : 4);
         dif_html_text(html, dif_result_text(fit, "text"));
         fputs("</td></tr>\n", html);
         return;
@@ -127,6 +127,7 @@ static void write_fit_row(FILE *html, const json_t *doc, const char *name, const
     cell_uncertain(html, period, u, "nm");
     cell(html, dif_result_number(fit, "u_covariance_nm"), 2, "nm");
     cell(html, dif_result_number(fit, "u_scatter_nm"), 2, "nm");
+    cell(html, dif_result_number(fit, "u_model_nm"), 2, "nm");
     const double off = period - dif_result_number(doc, "known.period_nm");
     if (isfinite(off)) {
         cell(html, off, 2, "nm");
@@ -148,7 +149,7 @@ static void write_first_order_row(FILE *html, const json_t *doc)
     fputs("<td class=\"n\">–</td>", html);
     char text[DIF_HTML_NUMBER_SIZE];
     dif_html_number(sd, 2, "nm", text);
-    fprintf(html, "<td class=\"n\">sd %s</td>", text);
+    fprintf(html, "<td class=\"n\">sd %s</td><td class=\"n\">–</td>", text);
     const double off = period - dif_result_number(doc, "known.period_nm");
     if (isfinite(off)) {
         cell(html, off, 2, "nm");
@@ -170,7 +171,8 @@ void dif_part_periods(FILE *html, const json_t *doc)
     }
     fprintf(html,
             "<table class=\"wide\"><thead><tr><th>Method</th><th class=\"n\">Period (stated)</th>"
-            "<th class=\"n\">u, covariance</th><th class=\"n\">u, scatter</th>%s</tr></thead><tbody>\n",
+            "<th class=\"n\">u, covariance</th><th class=\"n\">u, scatter</th><th class=\"n\">u, "
+            "model</th>%s</tr></thead><tbody>\n",
             isfinite(known) ? "<th class=\"n\">deviation</th><th class=\"n\">|deviation| / u</th>" : "");
     write_fit_row(html, doc, "fit_table", "Ridge model on the table");
     write_fit_row(html, doc, "fit_surface", "Harmonic model on the heights");
@@ -185,7 +187,11 @@ void dif_part_periods(FILE *html, const json_t *doc)
         fprintf(html, "%s of the data’s rms, recomputed outside the solver; ", text);
         say_count(html, "scatter over ", dif_result_number(doc, "fit_table.n_part"), " bands of wavelength; ");
         dif_html_number(dif_result_number(doc, "fit_table.f_min_per_um"), 2, "µm⁻¹", text);
-        fprintf(html, "fitted where |f| ≥ %s, so without the mirror beam, ", text);
+        fprintf(html, "fitted without the mirror beam, |f| from %s", text);
+        dif_html_number(dif_result_number(doc, "fit_table.f_max_per_um"), 2, "µm⁻¹", text);
+        if (isfinite(dif_result_number(doc, "fit_table.f_max_per_um")))
+            fprintf(html, " to %s", text);
+        fputs(", ", html);
         say_count(html, "and up to ", dif_result_number(doc, "fit_table.angle_max_deg"), "°. ");
     }
     if (dif_result_true(doc, "fit_surface.ok")) {
@@ -197,7 +203,10 @@ void dif_part_periods(FILE *html, const json_t *doc)
         fputs(text, html);
         say_count(html, "; scatter over ", dif_result_number(doc, "fit_surface.n_part"), " bands of the scan. ");
     }
-    fputs("The stated uncertainty is the larger of the two.</caption></table>\n", html);
+    fputs("The stated uncertainty is the largest of the three; “model” is what the last refinement of the ridge "
+          "model moved the period by, or the covariance that counts a misfit common to all lines of a scan "
+          "once.</caption></table>\n",
+          html);
 }
 
 void dif_part_orders(FILE *html, const json_t *doc)

@@ -60,6 +60,7 @@ static void test_periods__both_uncertainties_and_the_reason_of_a_failure(void **
     assert_has(got, "2500.003 ± 0.012 nm");
     assert_has(got, ">0.0040 nm<");
     assert_has(got, ">0.012 nm<");
+    assert_has(got, ">0.0070 nm<");
     assert_has(got, ">0.25<"); /* |2500.003 - 2500| / 0.012 */
     assert_has(got, "no period: nothing &lt;periodic&gt; in it");
     assert_has(got, "2500.04 nm");

@@ -103,7 +103,7 @@ static dif_status load_fixture(const dif_cli *cli, int i, dif_report_job *job, d
     snprintf(job->slug, sizeof job->slug, "%s", dif_surface_kind_name(surface.kind));
     snprintf(job->description, sizeof job->description, "%s", FIXTURES[i].description);
     job->known_period_um = surface.period_um;
-    job->known_exact = job->has_grating = FIXTURES[i].is_grating;
+    job->known_exact = job->has_grating = job->is_grating = FIXTURES[i].is_grating;
     job->grating =
         (dif_grating){FIXTURES[i].profile, surface.period_um, surface.height_um, surface.duty, surface.psi_rad};
     const dif_status status = dif_surface_make(&surface, &job->field, err);
@@ -132,6 +132,13 @@ static void make_slug(const char *path, int number, int n_surface, char slug[64]
         snprintf(slug, 64, "surface-%d", number);
 }
 
+/* Is it one of our own gratings? kind is what `fixture` wrote into its file, or NULL. */
+static bool is_grating_kind(const char *kind)
+{
+    dif_profile profile;
+    return kind && dif_profile_from_name(kind, &profile);
+}
+
 static dif_status load_file(const dif_cli *cli, const report_args *args, int i, dif_report_job *job, dif_error *err)
 {
     const char *path = cli->operand[i], *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
@@ -146,6 +153,7 @@ static dif_status load_file(const dif_cli *cli, const report_args *args, int i, 
     snprintf(job->description, sizeof job->description, "Surface read from a %s file%s%s.%s%s", file.format,
              file.title[0] ? ", titled " : "", file.title, file.warning[0] ? " " : "", file.warning);
     job->known_period_um = NAN;
+    job->is_grating = is_grating_kind(dif_cli_fixture_kind(file.title));
     job->step_um = file.step_um;
     status = dif_cli_manifest(cli, path, &job->provenance, err);
     if (!status)
@@ -169,9 +177,12 @@ static dif_status choose_plane(const report_args *args, dif_report_job *job, dou
     *azimuth_deg = chosen ? args->azimuth_deg : n > 0 ? dif_deg_from_rad(peak.psi_rad) : 0.0;
     /* eight rms widths of the line of the default window, where there is no structure to go by */
     job->f_min_per_um = 8.0 / (2.0 * sqrt(2.0) * DIF_PI * job->opts.sigma_um);
+    job->f_max_per_um = INFINITY;
     if (n > 0) {
         const double f_per_um = fabs(cos(peak.psi_rad - dif_rad_from_deg(*azimuth_deg))) / peak.period_um;
         job->f_min_per_um = fmax(job->f_min_per_um, 0.5 * f_per_um);
+        if (job->is_grating) /* orders 1 to 3 */
+            job->f_max_per_um = fmax(3.5 * f_per_um, 2.0 * job->f_min_per_um);
     }
     return DIF_OK;
 }

@@ -102,7 +102,7 @@ static bool say_grazing(json_t *list, const dif_report_job *job)
 
 static bool say_speckle(json_t *list, const dif_report_job *job, const dif_report_data *data)
 {
-    if (job->has_grating)
+    if (job->is_grating)
         return true;
     if (data->stats.n_window > 1)
         return say(list, "good",

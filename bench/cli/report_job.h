@@ -22,8 +22,10 @@ typedef struct dif_report_job {
     dif_plan plan;   /* owned                                                                 */
     dif_measure_opts opts;
     double tol;
-    double f_min_per_um; /* spatial frequencies below it are the mirror beam's, not a ridge's; > 0         */
-    bool has_grating;    /* the surface is this grating: closed forms apply                        */
+    double f_min_per_um, f_max_per_um; /* range of |f| that is fitted: below it lies the mirror beam, above it nothing
+                                          that would add to what the first orders say; f_max may be infinite          */
+    bool is_grating;  /* all ridges are orders of one period; false: each has its own, as on a scan       */
+    bool has_grating; /* the surface is this grating: closed forms apply                        */
     dif_grating grating;
     double known_period_um;  /* NaN = unknown                                                       */
     bool known_exact;        /* false: a guide only (irregular rows)                                */

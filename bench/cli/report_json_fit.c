@@ -38,21 +38,36 @@ static json_t *failed_json(const dif_error *error)
     return json_pack("{s:b, s:s}", "ok", 0, "text", error->text);
 }
 
+/* A believed period with its standard uncertainties: the stated one and what it was chosen from; `rest` is added. */
+static json_t *period_json(double period_um, double u_um, double covariance_um, double scatter_um, double model_um,
+                           json_t *rest)
+{
+    json_t *out =
+        json_pack("{s:b, s:o, s:o, s:o, s:o, s:o}", "ok", 1, "period_nm", nm(period_um), "u_nm", nm(u_um),
+                  "u_covariance_nm", nm(covariance_um), "u_scatter_nm", nm(scatter_um), "u_model_nm", nm(model_um));
+    const bool done = out && rest && json_object_update(out, rest) == 0;
+    json_decref(rest);
+    if (done)
+        return out;
+    json_decref(out);
+    return NULL;
+}
+
 json_t *dif_report_fit_table_json(const dif_report_job *job, const dif_report_data *data)
 {
     const dif_fit_result *fit = &data->fit;
     if (data->fit_status != DIF_OK)
         return failed_json(&data->fit_error);
-    return json_pack(
-        "{s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:i, s:s, s:o, s:o, s:o}", "ok", 1,
-        "common_period", (int)data->common_period, "period_nm", nm(fit->period_um), "u_nm",
-        nm(fit->period_uncertainty_um), "u_covariance_nm", nm(fit->period_sd_um), "u_scatter_nm",
-        nm(fit->period_scatter_um), "offset_deg", degrees(fit->offset_rad), "u_offset_deg", degrees(fit->offset_sd_rad),
+    json_t *rest = json_pack(
+        "{s:b, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o}", "common_period",
+        (int)data->common_period, "offset_deg", degrees(fit->offset_rad), "u_offset_deg", degrees(fit->offset_sd_rad),
         "residual_rms", dif_json_number(fit->residual_rms), "residual_share", dif_json_number(fit->residual_share),
         "criterion", dif_json_number(fit->criterion), "n_data", fit->n_data, "n_parameter", fit->n_parameter,
         "n_iteration", fit->n_iteration, "n_part", fit->n_part, "n_ridge", fit->n_ridge, "note", fit->note, "ridges",
-        ridges_json(fit), "f_min_per_um", dif_json_number(job->f_min_per_um), "angle_max_deg",
-        degrees(dif_report_fit_angle_max_rad()));
+        ridges_json(fit), "f_min_per_um", dif_json_number(job->f_min_per_um), "f_max_per_um",
+        dif_json_number(job->f_max_per_um), "angle_max_deg", degrees(dif_report_fit_angle_max_rad()));
+    return period_json(fit->period_um, fit->period_uncertainty_um, fit->period_sd_um, fit->period_scatter_um,
+                       fit->period_model_um, rest);
 }
 
 json_t *dif_report_fit_surface_json(const dif_report_data *data)
@@ -63,13 +78,13 @@ json_t *dif_report_fit_surface_json(const dif_report_data *data)
     json_t *amplitudes = json_array();
     for (int i = 0; amplitudes && i < fit->n_harmonic; i++)
         json_array_append_new(amplitudes, nm(fit->amplitude_um[i]));
-    return json_pack("{s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:s, s:o}", "ok", 1,
-                     "period_nm", nm(fit->period_um), "u_nm", nm(fit->period_uncertainty_um), "u_covariance_nm",
-                     nm(fit->period_sd_um), "u_scatter_nm", nm(fit->period_scatter_um), "band_sd_nm",
-                     nm(fit->band_sd_um), "psi_deg", degrees(fit->psi_rad), "u_psi_deg", degrees(fit->psi_sd_rad),
-                     "residual_rms_nm", nm(fit->residual_rms_um), "residual_share",
-                     dif_json_number(fit->residual_share), "n_harmonic", fit->n_harmonic, "n_part", fit->n_part,
-                     "n_iteration", fit->n_iteration, "note", fit->note, "amplitudes_nm", amplitudes);
+    json_t *rest = json_pack("{s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:s, s:o}", "band_sd_nm", nm(fit->band_sd_um),
+                             "psi_deg", degrees(fit->psi_rad), "u_psi_deg", degrees(fit->psi_sd_rad), "residual_rms_nm",
+                             nm(fit->residual_rms_um), "residual_share", dif_json_number(fit->residual_share),
+                             "n_harmonic", fit->n_harmonic, "n_part", fit->n_part, "n_iteration", fit->n_iteration,
+                             "note", fit->note, "amplitudes_nm", amplitudes);
+    return period_json(fit->period_um, fit->period_uncertainty_um, fit->period_sd_um, fit->period_scatter_um,
+                       fit->period_profile_um, rest);
 }
 
 static json_t *order_json(const dif_maxima_order *order)

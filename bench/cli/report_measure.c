@@ -160,9 +160,9 @@ double dif_report_fit_angle_max_rad(void)
     return fit_angle_max_rad;
 }
 
-/* A copy of the table without the mirror beam and its skirt, and without angles above angle_max (cells become NaN). */
-static dif_status without_mirror(const dif_report_job *job, const dif_table *table, double angle_max_rad,
-                                 dif_table *out, dif_error *err)
+/* A copy of the table in which cells outside a range of |f| and of |angle| are NaN. */
+static dif_status cut_table(const dif_table *table, double f_min_per_um, double f_max_per_um, double angle_max_rad,
+                            dif_table *out, dif_error *err)
 {
     const dif_plan *plan = &table->plan;
     const dif_status status = dif_table_create(plan, table->quantity, out, err);
@@ -173,8 +173,9 @@ static dif_status without_mirror(const dif_report_job *job, const dif_table *tab
         dif_plan_transfer(plan, ia, &sin_sum, &cos_sum);
         for (int il = 0; il < plan->n_lambda; il++) {
             const size_t at = (size_t)il * (size_t)plan->n_angle + (size_t)ia;
+            const double f_per_um = fabs(sin_sum) / plan->lambda_um[il];
             const bool keep =
-                fabs(sin_sum) >= job->f_min_per_um * plan->lambda_um[il] && fabs(plan->angle_rad[ia]) <= angle_max_rad;
+                f_per_um >= f_min_per_um && f_per_um <= f_max_per_um && fabs(plan->angle_rad[ia]) <= angle_max_rad;
             out->value[at] = keep ? table->value[at] : (double)NAN;
         }
     }
@@ -198,11 +199,11 @@ static dif_status fit_table(const dif_report_job *job, dif_report_data *data, di
                                .size_x_um = job->field.nx * job->field.pitch_x_um,
                                .size_y_um = job->field.ny * job->field.pitch_y_um};
     opts.index = job->opts.index;
-    opts.common_period = data->common_period = job->has_grating;
-    if (job->has_grating)
+    opts.common_period = data->common_period = job->is_grating;
+    if (job->is_grating)
         opts.n_ridge_max = DIF_FIT_RIDGE_MAX;
     dif_table part;
-    dif_status status = without_mirror(job, &data->table, fit_angle_max_rad, &part, err);
+    dif_status status = cut_table(&data->table, job->f_min_per_um, job->f_max_per_um, fit_angle_max_rad, &part, err);
     if (status != DIF_OK)
         return status;
     const clock_pair start = now();
@@ -251,9 +252,9 @@ static dif_status find_maxima(const dif_report_job *job, dif_report_data *data, 
 {
     dif_table part;
     dif_maxima_opts opts = dif_maxima_opts_default();
-    opts.floor_share = job->has_grating ? grating_floor : scan_floor;
+    opts.floor_share = job->is_grating ? grating_floor : scan_floor;
     opts.period_um = data->fit_status == DIF_OK ? data->fit.period_um : (double)NAN;
-    dif_status status = without_mirror(job, &data->table, 0.5 * DIF_PI, &part, err);
+    dif_status status = cut_table(&data->table, job->f_min_per_um, INFINITY, 0.5 * DIF_PI, &part, err);
     if (status != DIF_OK)
         return status;
     status = dif_maxima_find(&part, &opts, &data->maxima, err);
