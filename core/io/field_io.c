@@ -1,7 +1,6 @@
 #include "core/io/field_io.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -93,18 +92,10 @@ static dif_status check_request(const dif_source *source, const dif_field_reques
 }
 
 /* Adds a sentence to the warning; what does not fit is left out. */
-static void warn(dif_field_file *out, const char *format, ...) DIF_PRINTF(2, 3);
-static void warn(dif_field_file *out, const char *format, ...)
+static void warn(dif_field_file *out, const char *sentence)
 {
-    size_t n = strlen(out->warning);
-    if (n > 0 && n + 2 < sizeof out->warning) {
-        memcpy(out->warning + n, "; ", 3);
-        n += 2;
-    }
-    va_list args;
-    va_start(args, format);
-    vsnprintf(out->warning + n, sizeof out->warning - n, format, args);
-    va_end(args);
+    const size_t n = strlen(out->warning);
+    snprintf(out->warning + n, sizeof out->warning - n, "%s%s", n > 0 ? "; " : "", sentence);
 }
 
 /* Heights a number of the file stands for: height = offset + unit z. What the user says wins. */
@@ -143,9 +134,12 @@ static void choose_pitches(const dif_raw *raw, const dif_field_request *request,
     if (!is_said(said_um))
         return;
     const bool differs = is_said(pitch_um[0]) && fabs(pitch_um[0] - said_um) > 1e-6 * said_um;
-    if (differs && !is_said(raw->step_x))
-        warn(out, "the file's own pitch of %.6g nm is replaced by %.6g nm", dif_nm_from_um(pitch_um[0]),
-             dif_nm_from_um(said_um));
+    if (differs && !is_said(raw->step_x)) {
+        char sentence[100];
+        snprintf(sentence, sizeof sentence, "the file's own pitch of %.6g nm is replaced by %.6g nm",
+                 dif_nm_from_um(pitch_um[0]), dif_nm_from_um(said_um));
+        warn(out, sentence);
+    }
     pitch_um[0] = pitch_um[1] = said_um;
 }
 
@@ -186,8 +180,11 @@ static dif_status finish(const dif_source *source, dif_raw *raw, const dif_field
     out->bits = raw->bits;
     if (raw->bits > 0)
         out->step_um = fabs(unit_um);
-    if (raw->bits == 8)
-        warn(out, "8-bit heights: one step is %.4g nm", dif_nm_from_um(out->step_um));
+    if (raw->bits == 8) {
+        char sentence[60];
+        snprintf(sentence, sizeof sentence, "8-bit heights: one step is %.4g nm", dif_nm_from_um(out->step_um));
+        warn(out, sentence);
+    }
     return DIF_OK;
 }
 

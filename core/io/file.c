@@ -31,7 +31,7 @@ typedef struct dif_buffer {
 
 static bool buffer_reserve(dif_buffer *buffer, size_t n_room)
 {
-    if (n_room <= buffer->n_room)
+    if (buffer->data && n_room <= buffer->n_room)
         return true;
     unsigned char *data = dif_alloc(n_room, 1);
     if (!data)
@@ -156,7 +156,9 @@ dif_status dif_outfile_reserve(const char *path, dif_outfile *out, dif_error *er
     if (out->path && out->path_tmp)
         return DIF_OK;
     dif_outfile_abort(out);
-    return dif_fail_named(err, path, dif_fail(err, DIF_ERR_NOMEM, "name of the temporary file"));
+    char name[DIF_NAME_SIZE];
+    dif_name_short(path, name);
+    return dif_fail(err, DIF_ERR_NOMEM, "%s: name of the temporary file", name);
 }
 
 dif_status dif_outfile_open(const char *path, dif_outfile *out, dif_error *err)

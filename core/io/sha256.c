@@ -22,9 +22,10 @@ static uint32_t rotate(uint32_t x, int n)
 
 static void expand(const unsigned char block[64], uint32_t w[64])
 {
-    for (int i = 0; i < 16; i++)
-        w[i] = (uint32_t)block[4 * i] << 24 | (uint32_t)block[4 * i + 1] << 16 | (uint32_t)block[4 * i + 2] << 8 |
-               block[4 * i + 3];
+    for (int i = 0; i < 16; i++) {
+        const unsigned char *at = block + (size_t)i * 4;
+        w[i] = (uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3];
+    }
     for (int i = 16; i < 64; i++) {
         const uint32_t a = w[i - 15], b = w[i - 2];
         w[i] =

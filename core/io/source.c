@@ -54,7 +54,7 @@ void dif_quote(const char *text, size_t n, char out[DIF_QUOTE_SIZE])
     out[n_out] = '\0';
 }
 
-dif_status dif_fail_named(dif_error *err, const char *name, dif_status status)
+dif_status(dif_fail_named)(dif_error *err, const char *name, dif_status status)
 {
     if (err) {
         char text[sizeof err->text], short_name[DIF_NAME_SIZE];
@@ -67,7 +67,7 @@ dif_status dif_fail_named(dif_error *err, const char *name, dif_status status)
     return status;
 }
 
-dif_status dif_fail_errno(dif_error *err, const char *name, const char *what, int number)
+dif_status(dif_fail_errno)(dif_error *err, const char *name, const char *what, int number)
 {
     char short_name[DIF_NAME_SIZE], reason[80];
     dif_name_short(name, short_name);

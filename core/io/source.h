@@ -29,9 +29,15 @@ void dif_quote(const char *text, size_t n, char out[DIF_QUOTE_SIZE]);
 
 /* Puts "name: " before the text of *err (if not NULL) and returns the status. */
 dif_status dif_fail_named(dif_error *err, const char *name, dif_status status);
+#ifdef __clang_analyzer__ /* as for dif_fail */
+#define dif_fail_named(err, name, status) ((void)(dif_fail_named)(err, name, status), (status))
+#endif
 
 /* DIF_ERR_IO with "name: what: reason", the reason being that of an errno. */
 dif_status dif_fail_errno(dif_error *err, const char *name, const char *what, int number);
+#ifdef __clang_analyzer__
+#define dif_fail_errno(err, name, what, number) ((void)(dif_fail_errno)(err, name, what, number), DIF_ERR_IO)
+#endif
 
 /* UTF-8 text of a source: skips a UTF-8 byte order mark, transcodes UTF-16 (byte order mark required) into a new
  * block. *text[*n] stays valid as long as the source and *owned; the caller gives *owned (may be NULL) to dif_release.
