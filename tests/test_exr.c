@@ -166,6 +166,9 @@ static void test_read__own_attributes_must_make_sense(void **state)
     sample.texts[0] = "volt";
     exr_sample_write(&sample);
     assert_parse_fails(sample.data, sample.n, NULL, DIF_ERR_FORMAT, "diffbench.z_unit is 'volt', want a length unit");
+    sample.keys[0] = "diffbench.fixed_angle";
+    exr_sample_write(&sample);
+    assert_parse_fails(sample.data, sample.n, NULL, DIF_ERR_FORMAT, "a response table, want a heightfield");
 }
 
 static void test_read__missing_scale_names_the_flags(void **state)

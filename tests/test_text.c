@@ -153,7 +153,7 @@ static void test_read__refuses_what_is_no_number(void **state)
     expect("hello world\n1 2 3\n", DIF_ERR_FORMAT, "line 5 is 'hello world', want numbers");
     expect("", DIF_ERR_FORMAT, "no numbers");
     assert_parse_fails("\n \n\n", 4, NULL, DIF_ERR_FORMAT, "no numbers");
-    assert_parse_fails("1 2\0 3\n", 7, NULL, DIF_ERR_FORMAT, "unknown format (NUL at byte 3");
+    assert_parse_fails("1 2\0 3\n", 7, NULL, DIF_ERR_FORMAT, "unknown format, and no text (NUL at byte 3)");
     const char *far = "# T: T\n# Width: -6 um\n# Height: 1 um\n# Value units: m\n1 2\n";
     assert_parse_fails(far, strlen(far), NULL, DIF_ERR_FORMAT, "the header's width is -6 um, want > 0");
 }

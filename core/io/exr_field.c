@@ -34,6 +34,8 @@ static const char *look_up(void *self, const char *key)
 /* Our own attributes, which win over Gwyddion's. */
 static dif_status take_own(const dif_source *source, const dif_exr *exr, dif_raw *raw, dif_error *err)
 {
+    if (dif_exr_text(exr, DIF_EXR_PREFIX "fixed_angle"))
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: a response table, want a heightfield", source->name);
     double x_um = NAN, y_um = NAN;
     const bool has_x = dif_exr_number(exr, PITCH_X, &x_um), has_y = dif_exr_number(exr, PITCH_Y, &y_um);
     if (has_x || has_y) {

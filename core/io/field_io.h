@@ -31,8 +31,13 @@ typedef struct dif_field_file {
     char warning[200]; /* one line for the user, or empty                                    */
 } dif_field_file;
 
-/* Reads a file.
- * Status    DIF_ERR_IO, DIF_ERR_FORMAT, DIF_ERR_SCALE (names the flag), DIF_ERR_NONFINITE, DIF_ERR_SIZE,
+/* Reads a file. What the request says wins over what the file says of itself, with a warning if they differ.
+ *
+ * Integer images: values 0 to 2^bits - 1 span height_um. EXR: the channel of the request, else R, else the first. Text: a
+ * list of x y z becomes a grid with the largest y at the top, all three in z_unit unless pixel_um or size_um is said.
+ * Up to 2^28 samples.
+ *
+ * Status    DIF_ERR_ARG (the request: a length <= 0, an unknown unit), DIF_ERR_IO, DIF_ERR_FORMAT, DIF_ERR_SCALE (names the flag), DIF_ERR_NONFINITE, DIF_ERR_SIZE,
  *           DIF_ERR_UNSUPPORTED, DIF_ERR_NOMEM; the text begins with the path. *out zeroed on failure */
 DIF_MUST_USE dif_status dif_field_read(const char *path, const dif_field_request *request, dif_field_file *out,
                                        dif_error *err);

@@ -150,10 +150,7 @@ dif_status dif_source_text(const dif_source *source, const char **text, size_t *
         const size_t at = (size_t)(nul - *text);
         dif_release(*owned);
         *owned = NULL;
-        return dif_fail(err, DIF_ERR_FORMAT,
-                        "%s: unknown format (NUL at byte %zu of what could be text), want EXR, PNG, TIFF, BMP, GSF or "
-                        "text",
-                        source->name, at);
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: unknown format, and no text (NUL at byte %zu)", source->name, at);
     }
     return DIF_OK;
 }
