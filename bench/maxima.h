@@ -11,19 +11,19 @@ extern "C" {
 
 typedef struct dif_maximum {
     double lambda_um;
-    double angle_rad;      /* refined by a parabola through three samples            */
-    double value;          /* refined value                                          */
-    double sin_sum;        /* sin theta_i + sin theta_o there                        */
-    bool at_edge;          /* on the first or last angle: not a maximum, only the largest value */
-    bool is_global;        /* the largest of its wavelength                          */
-    int order;             /* nearest order of the given period, 0 if none was given */
-    double residual_rad;   /* angle minus the angle of that order; NaN if evanescent or no period */
-    double period_um;      /* m lambda / sin_sum with that order; NaN for m = 0      */
+    double angle_rad;    /* refined by a parabola through three samples            */
+    double value;        /* refined value                                          */
+    double sin_sum;      /* sin theta_i + sin theta_o there                        */
+    bool at_edge;        /* on the first or last angle: not a maximum, only the largest value */
+    bool is_global;      /* the largest of its wavelength                          */
+    int order;           /* nearest order of the given period, 0 if none was given */
+    double residual_rad; /* angle minus the angle of that order; NaN if evanescent or no period */
+    double period_um;    /* m lambda / sin_sum with that order; NaN for m = 0      */
 } dif_maximum;
 
 typedef struct dif_maxima_opts {
-    double floor_share;  /* ignore maxima below this share of the table's largest value, [0, 1) */
-    double period_um;    /* to assign orders, or NaN                                            */
+    double floor_share; /* ignore maxima below this share of the table's largest value, [0, 1) */
+    double period_um;   /* to assign orders, or NaN                                            */
 } dif_maxima_opts;
 
 /* floor_share 0.01, no period. */

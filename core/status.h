@@ -8,7 +8,7 @@ extern "C" {
 #endif
 
 #if defined(__GNUC__)
-#define DIF_MUST_USE __attribute__((warn_unused_result))
+#define DIF_MUST_USE                __attribute__((warn_unused_result))
 #define DIF_PRINTF(fmt_at, args_at) __attribute__((format(printf, fmt_at, args_at)))
 #else
 #define DIF_MUST_USE

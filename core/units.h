@@ -3,7 +3,7 @@
 #ifndef DIF_UNITS_H
 #define DIF_UNITS_H
 
-#define DIF_PI 3.14159265358979323846
+#define DIF_PI     3.14159265358979323846
 #define DIF_TWO_PI 6.28318530717958647693
 
 static inline double dif_um_from_nm(double nm)
