@@ -98,15 +98,16 @@ void dif_part_order_powers(FILE *html, const json_t *doc)
         return;
     fputs("<table><thead><tr><th class=\"n\">Order m</th><th class=\"n\">θ<sub>m</sub></th>"
           "<th class=\"n\">|c<sub>m</sub>|² of the sampled surface</th><th class=\"n\">closed form</th>"
-          "<th class=\"n\">difference</th><th class=\"n\">efficiency at R = 1</th></tr></thead><tbody>\n",
+          "<th class=\"n\">difference</th><th class=\"n\">limit</th><th class=\"n\">efficiency at R = "
+          "1</th></tr></thead><tbody>\n",
           html);
     json_array_foreach(dif_result_at(orders, "rows"), i, item)
     {
         static const struct {
             const char *key, *unit;
             int n_digit;
-        } columns[] = {{"order", "", 0},  {"angle_deg", "°", 5}, {"sampled", "", 6},
-                       {"closed", "", 6}, {"difference", "", 2}, {"efficiency", "", 4}};
+        } columns[] = {{"order", "", 0},      {"angle_deg", "°", 5}, {"sampled", "", 6},   {"closed", "", 6},
+                       {"difference", "", 2}, {"limit", "", 2},      {"efficiency", "", 4}};
         fputs("<tr>", html);
         for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
             fputs("<td class=\"n\">", html);
@@ -117,10 +118,7 @@ void dif_part_order_powers(FILE *html, const json_t *doc)
     }
     fputs("</tbody><caption>Powers of the orders at ", html);
     number(html, dif_result_number(orders, "lambda_nm"), 0, "nm");
-    fputs(", flat window over the whole patch, against the closed scalar form of the profile. Largest difference ",
-          html);
-    number(html, dif_result_number(orders, "worst"), 2, "");
-    fputs(". ", html);
+    fputs(", flat window over the whole patch, against the closed scalar form of the profile. ", html);
     dif_html_text(html, dif_result_text(orders, "text"));
     fputs("</caption></table>\n", html);
 }

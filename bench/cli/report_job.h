@@ -42,6 +42,7 @@ typedef struct dif_report_stage {
 typedef struct dif_report_order {
     int order;
     double angle_rad, sampled, closed, efficiency;
+    double limit; /* of |sampled - closed|, from the sampling of walls */
 } dif_report_order;
 
 typedef struct dif_report_energy {
@@ -93,6 +94,10 @@ json_t *dif_report_domain(const dif_report_job *job, const dif_report_data *data
 /* True if a maximum lies within twice the line's rms width of its order, so that it speaks for the fitted period; side
  * lobes, other ridges and the rise towards grazing angles do not. */
 bool dif_report_on_line(const dif_report_data *data, const dif_maximum *maximum);
+
+/* Vertical walls in a period of the job's grating, and samples in a period along its normal (axis-parallel). */
+int dif_report_walls(const dif_report_job *job);
+double dif_report_samples_per_period(const dif_report_job *job);
 
 /* Parts of the result object: the fits, the maxima. NULL = out of memory. */
 json_t *dif_report_fit_table_json(const dif_report_job *job, const dif_report_data *data);

@@ -93,6 +93,26 @@ dif_status dif_report_fold(const dif_report_job *job, dif_report_data *data, dif
     return DIF_OK;
 }
 
+int dif_report_walls(const dif_report_job *job)
+{
+    return job->grating.profile == DIF_PROFILE_BLAZED ? 1 : job->grating.profile == DIF_PROFILE_LAMELLAR ? 2 : 0;
+}
+
+double dif_report_samples_per_period(const dif_report_job *job)
+{
+    return job->grating.period_um / job->field.pitch_x_um;
+}
+
+/* How far the sampled power of an order may be from the closed form. The pixel that holds a wall has the mean height of
+ * both sides: its phase factor lies on the arc between theirs where the true mean lies on the chord, off by at most
+ * min(2, phase^2/8); such pixels are walls/samples of a period. Smooth profiles have none of this. */
+static double order_limit(const dif_report_job *job, double power, double kw_rad_per_um)
+{
+    const double n = dif_report_samples_per_period(job), phase_rad = fabs(kw_rad_per_um) * job->grating.height_um;
+    const double off = dif_report_walls(job) * fmin(2.0, phase_rad * phase_rad / 8.0) / n;
+    return fmax(1e-6, 2.0 * sqrt(power) * off + off * off);
+}
+
 dif_status dif_report_orders(const dif_report_job *job, dif_report_data *data, dif_error *err)
 {
     const dif_grating *grating = &job->grating;
@@ -110,10 +130,12 @@ dif_status dif_report_orders(const dif_report_job *job, dif_report_data *data, d
         const double along = wo.x * cos(job->plan.azimuth_rad) + wo.y * sin(job->plan.azimuth_rad);
         const double kw = -DIF_TWO_PI / lambda_um * (wi.z + wo.z);
         query[n] = (dif_query){wi, wo, lambda_um};
+        const double power = dif_grating_power(grating, m, kw);
         data->order[n++] = (dif_report_order){.order = m,
                                               .angle_rad = copysign(acos(fmin(wo.z, 1.0)), along),
-                                              .closed = dif_grating_power(grating, m, kw),
-                                              .efficiency = dif_grating_efficiency(grating, wi, lambda_um, 1.0, m)};
+                                              .closed = power,
+                                              .efficiency = dif_grating_efficiency(grating, wi, lambda_um, 1.0, m),
+                                              .limit = order_limit(job, power, kw)};
     }
     dif_measure_opts opts = job->opts;
     opts.window = DIF_WINDOW_FLAT;
