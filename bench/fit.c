@@ -6,6 +6,7 @@
 
 #include "bench/fit_cells.h"
 #include "bench/fit_order.h"
+#include "bench/fit_result.h"
 #include "bench/fit_ridges.h"
 #include "core/alloc.h"
 
@@ -21,24 +22,12 @@ dif_fit_table_opts dif_fit_table_opts_default(void)
                                 .common_period = false};
 }
 
-/* A share of the data's rms that the model leaves and that a reader must be told of. */
-static const double residual_told = 0.1;
+/* A centre less certain than this share of the line's width is not determined. */
+static const double centre_share_max = 0.3;
 /* Centre and an angular offset cannot be told apart beyond this correlation. */
 static const double correlation_max = 0.999;
 
-/* Everything a fit holds on to; freed in one place. */
-typedef struct work {
-    fit_view view;
-    fit_line line;
-    fit_spectrum spectrum;
-    fit_state *state;
-    fit_part *part;
-    int n_part;
-    char order_note[160];
-    int n_left_over;
-} work;
-
-static void free_work(work *w)
+static void free_work(fit_work *w)
 {
     dif_release(w->part);
     if (w->state)
@@ -66,7 +55,7 @@ static dif_status check_opts(const dif_fit_table_opts *o, dif_error *err)
 }
 
 /* The line: as known, or a Gaussian as wide as the highest peak of the spectrum. */
-static dif_status make_line(work *w, const dif_fit_table_opts *o, dif_error *err)
+static dif_status make_line(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
 {
     if (o->line.known)
         return fit_line_create(&o->line, w->view.table->plan.azimuth_rad, &w->line, err);
@@ -83,7 +72,7 @@ static dif_status make_line(work *w, const dif_fit_table_opts *o, dif_error *err
 }
 
 /* Groups and cells around the given centres. */
-static dif_status select_around(work *w, int n, const double *centre, double reach_sigma, dif_error *err)
+static dif_status select_around(fit_work *w, int n, const double *centre, double reach_sigma, dif_error *err)
 {
     fit_state *s = w->state;
     const double sigma = w->line.sigma_per_um;
@@ -99,7 +88,7 @@ static dif_status select_around(work *w, int n, const double *centre, double rea
 }
 
 /* Peaks of the mean power over f, and the cells around them. */
-static dif_status find_candidates(work *w, const dif_fit_table_opts *o, int *n, fit_candidate *candidate,
+static dif_status find_candidates(fit_work *w, const dif_fit_table_opts *o, int *n, fit_candidate *candidate,
                                   dif_error *err)
 {
     const double sigma = w->line.sigma_per_um;
@@ -135,19 +124,21 @@ static void rough_weights(const fit_state *s, double *weight)
     }
 }
 
-/* Keeps the ridges that have an order, and the cells around them. */
-static dif_status keep_orders(work *w, const int *order, dif_error *err)
+/* Keeps the ridges that have an order, and the cells around them. The mirror direction knows nothing of a common period
+ * (only of an offset), and its strength would hide the orders' misfit. */
+static dif_status keep_orders(fit_work *w, const int *order, bool mirror_useless, dif_error *err)
 {
     fit_model *m = &w->state->model;
     double *centre = w->state->par;
     int n = 0;
     for (int k = 0; k < m->n_ridge; k++)
-        if (order[k] != FIT_ORDER_NONE) {
+        w->n_left_over += order[k] == FIT_ORDER_NONE;
+    for (int k = 0; k < m->n_ridge; k++)
+        if (order[k] != FIT_ORDER_NONE && !(mirror_useless && order[k] == 0)) {
             m->ridge[n] = m->ridge[k];
             m->ridge[n].order = order[k];
             centre[n++] = centre[k];
         }
-    w->n_left_over = m->n_ridge - n;
     m->n_ridge = n;
     dif_status status = select_around(w, n, centre, FIT_WINDOW_SIGMA, err);
     for (int k = 0; k < n; k++)
@@ -158,7 +149,7 @@ static dif_status keep_orders(work *w, const int *order, dif_error *err)
 }
 
 /* Orders of one period, or the same order for each ridge; sets the shared start values. */
-static dif_status set_orders(work *w, const dif_fit_table_opts *o, dif_error *err)
+static dif_status set_orders(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
 {
     fit_state *s = w->state;
     double f[DIF_FIT_RIDGE_MAX], weight[DIF_FIT_RIDGE_MAX], g = 0.0;
@@ -184,7 +175,7 @@ static dif_status set_orders(work *w, const dif_fit_table_opts *o, dif_error *er
         if (o->order == DIF_FIT_ORDER_FIND)
             snprintf(w->order_note, sizeof w->order_note, "order 1 assumed for each ridge");
     }
-    dif_status status = keep_orders(w, order, err);
+    dif_status status = keep_orders(w, order, o->common_period && !o->offset_free, err);
     if (status != DIF_OK)
         return status;
     s->model.common = o->common_period;
@@ -200,184 +191,75 @@ static dif_status set_orders(work *w, const dif_fit_table_opts *o, dif_error *er
     return DIF_OK;
 }
 
-/* Ridge that speaks for the table: the strongest one with a period, or the one nearest to the start period. */
-static int headline(const dif_fit_result *r, double period_start_um)
+/* The ridge with the least certain centre and its uncertainty in line widths; infinite for one of no strength. */
+static int weakest(const fit_state *s, double *share)
 {
-    int best = -1;
-    for (int k = 0; k < r->n_ridge; k++) {
-        if (r->ridge[k].order == 0)
-            continue;
-        if (best < 0 || (isfinite(period_start_um) && fabs(r->ridge[k].period_um - period_start_um) <
-                                                          fabs(r->ridge[best].period_um - period_start_um)))
-            best = k;
-    }
-    return best;
-}
-
-/* Standard error of a centre from its parts: with weights w = 1/sd^2 of the parts about the value x of the whole fit,
- *   se^2 = sum w_j (x_j - x)^2 / ((n - 1) sum w_j),
- * which is sd/sqrt(n) for equal weights, and more if the parts together contradict the whole. The centres come in as
- * g = f/m (common period, all parts) or f (parts of one ridge; ridge >= 0). NaN for fewer than two parts. */
-static double scatter_of(const work *w, int ridge, double x, int *n_used)
-{
-    double sum_w = 0.0, sum = 0.0;
-    *n_used = 0;
-    for (int i = 0; i < w->n_part; i++) {
-        const int k = w->part[i].ridge, m = ridge >= 0 ? 1 : w->state->model.ridge[k].order;
-        if ((ridge >= 0 && k != ridge) || m == 0)
-            continue;
-        const double sd = w->part[i].f_sd_per_um / m, d = w->part[i].f_per_um / m - x;
-        sum_w += 1.0 / (sd * sd);
-        sum += d * d / (sd * sd);
-        (*n_used)++;
-    }
-    return *n_used > 1 ? sqrt(sum / ((*n_used - 1) * sum_w)) : (double)NAN;
-}
-
-/* Variance of ridge k's centre from the covariance of the shared parameters. */
-static double centre_variance(const fit_state *s, int k)
-{
-    const fit_model *m = &s->model;
-    if (m->common)
-        return m->ridge[k].order * m->ridge[k].order * s->outcome.covariance[0];
-    return s->outcome.covariance[k * (m->n_shared + 1)];
-}
-
-static void fill_ridges(const work *w, dif_fit_result *r)
-{
-    const fit_state *s = w->state;
-    double total = 0.0;
-    r->n_ridge = s->model.n_ridge;
-    for (int k = 0; k < r->n_ridge; k++) {
-        dif_fit_ridge *to = &r->ridge[k];
-        int n = 0;
-        to->order = s->model.ridge[k].order;
-        to->f_per_um = fit_model_centre(&s->model, s->par, k);
-        to->f_sd_per_um = sqrt(centre_variance(s, k));
-        to->weight = fmax(fit_ridges_strength(s, k), 0.0);
-        to->width_per_um = s->model.width_free ? fit_model_width(&s->model, s->par) : w->line.rms_per_um;
-        const double per_f = fabs(to->order / (to->f_per_um * to->f_per_um));
-        to->period_um = to->order ? fabs(to->order / to->f_per_um) : (double)NAN;
-        to->period_sd_um = to->order ? per_f * to->f_sd_per_um : (double)NAN;
-        to->period_scatter_um = to->order ? per_f * scatter_of(w, k, to->f_per_um, &n) : (double)NAN;
-        total += to->weight;
-    }
-    for (int k = 0; k < r->n_ridge; k++)
-        r->ridge[k].weight /= total;
-    for (int i = 1; i < r->n_ridge; i++)
-        for (int j = i; j > 0 && r->ridge[j].weight > r->ridge[j - 1].weight; j--) {
-            const dif_fit_ridge swap = r->ridge[j];
-            r->ridge[j] = r->ridge[j - 1];
-            r->ridge[j - 1] = swap;
+    int worst = -1;
+    *share = 0.0;
+    for (int k = 0; k < s->model.n_ridge; k++) {
+        const double sd = sqrt(fit_result_centre_variance(s, k)) / fit_model_width(&s->model, s->par);
+        const double here = fit_ridges_strength(s, k) > 0.0 && isfinite(sd) ? sd : HUGE_VAL;
+        if (worst < 0 || here > *share) {
+            *share = here;
+            worst = k;
         }
-}
-
-/* Centre of the ridge that is now at f, before the model's last refinement. */
-static double before_of(const fit_state *s, double f_per_um)
-{
-    for (int k = 0; k < s->model.n_ridge; k++)
-        if (fit_model_centre(&s->model, s->par, k) == f_per_um)
-            return s->before[k];
-    return f_per_um;
-}
-
-static void fill_period(const work *w, const dif_fit_table_opts *o, dif_fit_result *r)
-{
-    const fit_state *s = w->state;
-    const dif_fit_ridge *top = &r->ridge[headline(r, o->period_start_um)];
-    r->period_um = top->period_um;
-    r->period_sd_um = top->period_sd_um;
-    r->period_scatter_um = top->period_scatter_um;
-    if (s->model.common) {
-        const double g = s->par[0];
-        r->period_scatter_um = scatter_of(w, -1, g, &r->n_part) / (g * g);
-    } else {
-        r->n_part = 0;
-        for (int i = 0; i < w->n_part; i++)
-            r->n_part += fit_model_centre(&s->model, s->par, w->part[i].ridge) == top->f_per_um;
     }
-    /* a model that had to be refined is not exact after the refinement either: its last step says how far off */
-    r->period_model_um =
-        s->has_before ? fabs(top->order / before_of(s, top->f_per_um) - top->order / top->f_per_um) : 0.0;
-    r->period_uncertainty_um = fmax(fmax(r->period_sd_um, r->period_scatter_um), r->period_model_um); /* skips NaN */
-    if (s->model.offset_free) {
-        r->offset_rad = fit_model_offset(&s->model, s->par);
-        r->offset_sd_rad = sqrt(s->outcome.covariance[s->model.i_offset * (s->model.n_shared + 1)]);
-    }
+    return worst;
 }
 
-static void fill_residuals(const work *w, dif_fit_result *r)
+/* Centre and offset must not be two names of one thing. */
+static dif_status believe_offset(const fit_state *s, dif_error *err)
 {
-    const fit_state *s = w->state;
-    double square = 0.0, data = 0.0;
-    for (int i = 0; i < s->n_cell; i++) {
-        const double d = fit_model_value(&s->model, s->par, &s->cell[i]) - s->cell[i].y;
-        square += d * d;
-        data += s->cell[i].y * s->cell[i].y;
-    }
-    r->residual_rms = sqrt(square / s->n_cell) * w->view.y_max;
-    r->residual_share = sqrt(square / data);
-    r->criterion = s->outcome.criterion;
-    r->n_data = s->n_cell;
-    r->n_parameter = s->model.n_par;
-    r->n_iteration = s->outcome.n_iteration;
-}
-
-/* Appends to a note, "; " between. */
-static void add_note(dif_fit_result *r, const char *text)
-{
-    const size_t used = strlen(r->note);
-    if (text[0])
-        snprintf(r->note + used, sizeof r->note - used, "%s%s", used ? "; " : "", text);
-}
-
-static void fill_note(const work *w, dif_fit_result *r)
-{
-    char text[160];
-    if (r->residual_share > residual_told) {
-        snprintf(text, sizeof text, "%.0f %% of the data's rms is not explained by the ridges",
-                 100.0 * r->residual_share);
-        add_note(r, text);
-    }
-    add_note(r, w->order_note);
-    if (w->n_left_over > 0) {
-        snprintf(text, sizeof text, "%d weak ridges are no orders and left out", w->n_left_over);
-        add_note(r, text);
-    }
-    if (!isfinite(r->period_scatter_um))
-        add_note(r, "too few parts for a scatter");
-}
-
-/* What must hold before a period is believed. */
-static dif_status believe(const work *w, dif_error *err)
-{
-    const fit_state *s = w->state;
-    const fit_outcome *o = &s->outcome;
     const fit_model *m = &s->model;
-    if (!o->converged)
-        return dif_fail(err, DIF_ERR_FIT, "not converged after %d iterations: %s", o->n_iteration, o->text);
-    if (!o->has_covariance)
-        return dif_fail(err, DIF_ERR_FIT, "the table does not determine all parameters (singular covariance)");
-    for (int k = 0; k < m->n_ridge; k++) {
-        const double sd = sqrt(centre_variance(s, k)), sigma = fit_model_width(m, s->par);
-        if (!(sd < 0.25 * sigma))
+    const double *cov = s->outcome.covariance;
+    for (int k = 0; k < m->n_ridge && m->offset_free; k++) {
+        const int at = m->common ? 0 : k, i = m->i_offset, n = m->n_shared;
+        const double c = cov[at * n + i] / sqrt(cov[at * n + at] * cov[i * n + i]);
+        if (!(fabs(c) < correlation_max))
             return dif_fail(err, DIF_ERR_FIT,
-                            "the ridge at %.6g per um is not determined: its centre is uncertain by %.2g "
-                            "of the line's width",
-                            fit_model_centre(m, s->par, k), sd / sigma);
-        if (m->offset_free) {
-            const int at = m->common ? 0 : k, i = m->i_offset, n = m->n_shared;
-            const double c = o->covariance[at * n + i] / sqrt(o->covariance[at * n + at] * o->covariance[i * n + i]);
-            if (!(fabs(c) < correlation_max))
-                return dif_fail(err, DIF_ERR_FIT,
-                                "the table does not tell period and angular offset apart: scan two orders "
-                                "or a wider range of wavelengths, or fit without an offset");
-        }
+                            "the table does not tell period and angular offset apart: scan two orders or a wider range "
+                            "of wavelengths, or fit without an offset");
     }
     return DIF_OK;
 }
 
-static dif_status run(work *w, const dif_fit_table_opts *o, dif_error *err)
+/* What must hold before a period is believed. */
+static dif_status believe(const fit_state *s, dif_error *err)
+{
+    const fit_outcome *o = &s->outcome;
+    double share = 0.0;
+    if (!o->converged)
+        return dif_fail(err, DIF_ERR_FIT, "not converged after %d iterations: %s", o->n_iteration, o->text);
+    if (!o->has_covariance)
+        return dif_fail(err, DIF_ERR_FIT, "the table does not determine all parameters (singular covariance)");
+    const int k = weakest(s, &share);
+    if (!(share < centre_share_max))
+        return dif_fail(err, DIF_ERR_FIT,
+                        "the ridge at %.6g per um is not determined: its centre is uncertain by %.2g line "
+                        "widths",
+                        fit_model_centre(&s->model, s->par, k), share);
+    return believe_offset(s, err);
+}
+
+/* Fits all ridges; of ridges with periods of their own those that are not determined are given up, one by one. */
+static dif_status solve_believed(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
+{
+    fit_state *s = w->state;
+    const double pitch_um = o->line.known ? o->line.pitch_um : (double)NAN;
+    for (;;) {
+        double share = 0.0;
+        dif_status status = fit_ridges_solve(s, pitch_um, err);
+        if (status != DIF_OK)
+            return status;
+        const int k = weakest(s, &share);
+        if (s->model.common || s->model.n_ridge < 2 || (s->outcome.has_covariance && share < centre_share_max))
+            return believe(s, err);
+        fit_ridges_drop(s, k);
+        w->n_given_up++;
+    }
+}
+
+static dif_status run(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
 {
     int n = 0;
     fit_candidate candidate[DIF_FIT_RIDGE_MAX];
@@ -392,9 +274,7 @@ static dif_status run(work *w, const dif_fit_table_opts *o, dif_error *err)
         return dif_fail(err, DIF_ERR_FIT, "no ridge is supported by the table: of %d peaks none is a line", n);
     status = set_orders(w, o, err);
     if (status == DIF_OK)
-        status = fit_ridges_solve(w->state, o->line.known ? o->line.pitch_um : (double)NAN, err);
-    if (status == DIF_OK)
-        status = believe(w, err);
+        status = solve_believed(w, o, err);
     if (status == DIF_OK)
         status = fit_ridges_parts(w->state, o->n_part, w->part, &w->n_part, err);
     return status;
@@ -403,7 +283,7 @@ static dif_status run(work *w, const dif_fit_table_opts *o, dif_error *err)
 dif_status dif_fit_table(const dif_table *table, const dif_fit_table_opts *opts, dif_fit_result *out, dif_error *err)
 {
     const dif_fit_table_opts o = opts ? *opts : dif_fit_table_opts_default();
-    work w = {0};
+    fit_work w = {0};
     *out = (dif_fit_result){0};
     dif_status status = check_opts(&o, err);
     if (status == DIF_OK)
@@ -419,17 +299,8 @@ dif_status dif_fit_table(const dif_table *table, const dif_fit_table_opts *opts,
                           FIT_LAMBDA_MIN);
     else
         status = run(&w, &o, err);
-    if (status == DIF_OK) {
-        fill_ridges(&w, out);
-        if (headline(out, o.period_start_um) < 0) {
-            *out = (dif_fit_result){0};
-            status = dif_fail(err, DIF_ERR_FIT, "only the specular ridge is in the scan: it has no period");
-        } else {
-            fill_period(&w, &o, out);
-            fill_residuals(&w, out);
-            fill_note(&w, out);
-        }
-    }
+    if (status == DIF_OK)
+        status = fit_result_fill(&w, o.period_start_um, out, err);
     free_work(&w);
     return status;
 }

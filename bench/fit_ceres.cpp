@@ -137,7 +137,7 @@ ceres::Solver::Options solver_options(const dif_ls &ls, const std::vector<double
     options.max_num_iterations = ls.n_iteration_max;
     if (ls.linear)
         options.initial_trust_region_radius = 1e12;
-    options.function_tolerance = 1e-12;
+    options.function_tolerance = 1e-11;
     options.parameter_tolerance = 1e-11;
     options.gradient_tolerance = 1e-16;
     if (!schur)

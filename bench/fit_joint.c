@@ -9,13 +9,18 @@ static const int coef_tried[] = {4, 6, 9, 13, 18};
 enum { N_TRIED = sizeof coef_tried / sizeof coef_tried[0] };
 
 /* Side terms are believed if they bring the residual below this share of what it was: leak and ghosts explain nearly
- * all that a clean line leaves, while speckle only gives way a little to any further freedom. */
+ * all that a clean line leaves, while speckle only gives way a little to any further freedom. They are not tried unless the line is clean: a leak is a
+ * few per cent of an amplitude at most. */
 static const double side_gain = 0.5;
+
+/* Orders weaker than this share of the strongest tell the period little; they go without side terms. */
+static const double weak_share = 0.15;
 
 /* Where a fit starts: shared parameters, and the centres they mean. */
 typedef struct start {
     double shared[FIT_SHARED_MAX], centre[DIF_FIT_RIDGE_MAX];
-    double strength[DIF_FIT_RIDGE_MAX]; /* mean of C_k, where amplitudes are summed */
+    double strength[DIF_FIT_RIDGE_MAX]; /* mean of C_k, where amplitudes are summed         */
+    bool plain[DIF_FIT_RIDGE_MAX];      /* too weak to be worth side terms                  */
 } start;
 
 /* One attempt: all ridges with n_coef coefficients each for amplitude and side terms. */
@@ -24,8 +29,9 @@ static dif_status attempt(fit_state *s, int n_coef, const start *from, fit_mode 
     fit_model *m = &s->model;
     int lost = 0;
     for (int k = 0; k < m->n_ridge; k++) {
+        m->ridge[k].f_per_um = from->centre[k];
         m->ridge[k].n_coef = n_coef;
-        m->ridge[k].n_side = n_coef;
+        m->ridge[k].n_side = from->plain[k] ? 0 : n_coef;
     }
     if (!fit_ridges_range(m, s->n_cell, s->cell, from->centre, &lost))
         return dif_fail(err, DIF_ERR_FIT,
@@ -101,6 +107,14 @@ static dif_status walk_ghost(fit_state *s, start *from, dif_error *err)
     return status;
 }
 
+static double data_rms(const fit_state *s)
+{
+    double square = 0.0;
+    for (int i = 0; i < s->n_cell; i++)
+        square += s->cell[i].y * s->cell[i].y;
+    return sqrt(square / s->n_cell);
+}
+
 /* Adds the leak through the edges, then one ghost after the other, as long as each explains most of what is left. *best
  * is the fit so far; state->before gets the centres of the last but one. */
 static dif_status add_sides(fit_state *s, double pitch_um, start *from, fit_state *best, fit_state *trial, int *n_coef,
@@ -108,12 +122,17 @@ static dif_status add_sides(fit_state *s, double pitch_um, start *from, fit_stat
 {
     int n_trial = 0, n_ghost = 0;
     dif_status status = DIF_OK;
-    if (!s->model.line->has_edge)
+    if (!s->model.line->has_edge || !(best->outcome.residual_rms < FIT_CLEAN_SHARE * data_rms(s)))
         return DIF_OK;
     s->model.edge = true;
     s->model.coherent = s->model.line->n_wave == 1;
     for (int k = 0; k < s->model.n_ridge; k++)
         from->strength[k] = fit_ridges_strength(best, k);
+    double strongest = 0.0;
+    for (int k = 0; k < s->model.n_ridge; k++)
+        strongest = fmax(strongest, from->strength[k]);
+    for (int k = 0; k < s->model.n_ridge; k++)
+        from->plain[k] = s->model.common && from->strength[k] < weak_share * strongest;
     for (int step = 0; step <= n_ghost; step++) {
         s->model.n_ghost = step;
         if (step == 1)
@@ -132,6 +151,21 @@ static dif_status add_sides(fit_state *s, double pitch_um, start *from, fit_stat
             n_ghost = find_ghosts(&s->model, pitch_um, best->par[0]);
     }
     return status;
+}
+
+void fit_ridges_drop(fit_state *s, int k)
+{
+    fit_model *m = &s->model;
+    double shared[FIT_SHARED_MAX];
+    memcpy(shared, s->par, sizeof shared);
+    for (int i = k; i + 1 < m->n_ridge; i++)
+        m->ridge[i] = m->ridge[i + 1];
+    m->n_ridge--;
+    m->edge = m->coherent = s->has_before = false;
+    m->n_ghost = 0;
+    memmove(shared + k, shared + k + 1, (size_t)(FIT_SHARED_MAX - k - 1) * sizeof *shared);
+    memcpy(s->par, shared, sizeof shared);
+    fit_model_number(m);
 }
 
 dif_status fit_ridges_solve(fit_state *s, double pitch_um, dif_error *err)
@@ -222,8 +256,9 @@ static void part_model(const fit_state *all, int g, int n_band, fit_model *m, in
         fit_ridge *r = &m->ridge[m->n_ridge];
         *r = all->model.ridge[k];
         r->group = 0;
+        r->f_per_um = fit_model_centre(&all->model, all->par, k);
         r->n_coef = 2 + (r->n_coef + n_band - 1) / n_band;
-        r->n_side = r->n_coef;
+        r->n_side = r->n_side > 0 ? r->n_coef : 0;
         origin[m->n_ridge] = k;
         centre[m->n_ridge++] = fit_model_centre(&all->model, all->par, k);
     }

@@ -315,16 +315,29 @@ double fit_line_amplitude(const fit_line *line, double delta_per_um, double *slo
     return v[0];
 }
 
-fit_pair_shape fit_line_pair(const fit_line *line, double delta_per_um, double apart_per_um)
+/* The geometric mean sqrt(L(a) L(b)): right for windows whose transform is positive where it matters. */
+static fit_pair_shape mean_pair(const fit_line *line, double a, double b, double width)
+{
+    const fit_shape p = fit_line_at(line, a, width), q = fit_line_at(line, b, width);
+    const double floor_value = 1e-6;
+    if (!(p.l > floor_value && q.l > floor_value))
+        return (fit_pair_shape){0};
+    const double s = sqrt(p.l * q.l);
+    return (fit_pair_shape){.s = s, .ds_da = 0.5 * s * p.dl / p.l, .ds_db = 0.5 * s * q.dl / q.l};
+}
+
+fit_pair_shape fit_line_pair(const fit_line *line, double a_per_um, double b_per_um, double width_per_um)
 {
     fit_pair_shape p = {0};
     double a[2], da[2], b[2], db[2];
+    if (line->n_wave == 0)
+        return mean_pair(line, a_per_um, b_per_um, width_per_um);
     for (int s = 0; s < line->n_wave; s++) {
-        if (!wave_at(line, s, delta_per_um, a, da) || !wave_at(line, s, delta_per_um - apart_per_um, b, db))
+        if (!wave_at(line, s, a_per_um, a, da) || !wave_at(line, s, b_per_um, b, db))
             continue;
         p.s += a[0] * b[0] + a[1] * b[1];
-        p.ds_dapart -= a[0] * db[0] + a[1] * db[1];
-        p.ds_ddelta += da[0] * b[0] + a[0] * db[0] + da[1] * b[1] + a[1] * db[1];
+        p.ds_da += da[0] * b[0] + da[1] * b[1];
+        p.ds_db += a[0] * db[0] + a[1] * db[1];
     }
     return p;
 }

@@ -39,10 +39,9 @@ typedef struct fit_line {
     double (*wave)[4]; /* wave[n_wave * n_node]: Re W^, Re W^', Im W^, Im W^', owned */
 } fit_line;
 
-/* A weak line at the distance `apart`, seen through its cross term with the main one:
- * S = sum_s Re(conj(W^_s(delta)) W^_s(delta - apart)) / norm. */
+/* Cross term of two lines: S = sum_s Re(conj(W^_s(a)) W^_s(b)) / norm at distances a and b from them. */
 typedef struct fit_pair_shape {
-    double s, ds_ddelta, ds_dapart;
+    double s, ds_da, ds_db;
 } fit_pair_shape;
 
 enum { FIT_LINE_REACH = 25 }; /* the table ends at this many sigma; L and E are 0 beyond */
@@ -60,7 +59,7 @@ fit_shape fit_line_at(const fit_line *line, double delta_per_um, double width_pe
 /* W^ itself and its slope, for a line of one window at the patch's centre (n_wave = 1): real, 1 at 0. */
 double fit_line_amplitude(const fit_line *line, double delta_per_um, double *slope);
 
-/* Cross term of a line whose n_wave is not 0. */
-fit_pair_shape fit_line_pair(const fit_line *line, double delta_per_um, double apart_per_um);
+/* Cross term; exact where n_wave is not 0, else the geometric mean of the two shapes. */
+fit_pair_shape fit_line_pair(const fit_line *line, double a_per_um, double b_per_um, double width_per_um);
 
 #endif

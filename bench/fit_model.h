@@ -1,6 +1,7 @@
 /* The ridge model of a table and its least-squares fit; for bench/fit only.
  *
  *   y(f, kz) = sum_k [ C_k(kz) L(f - f_k) + side terms ] + b0_g(kz) + b1_g(kz) t
+ *   cross terms of ridges closer than FIT_CROSS_SIGMA: X_kl S(f - f_k, f - f_l), they interfere
  *   side terms: A_k Re E + B_k Im E (leak through the edges),  G+_k S(+apart) + G-_k S(-apart) (ghosts),  fit_line.h
  *   apart = n/pitch - j g: the fold of the samples' pitch into the orders, a vernier of its own for g
  *
@@ -20,13 +21,19 @@ enum {
     FIT_COEF_MAX = 18,
     FIT_EDGE_TERMS = 4,
     FIT_GHOST_MAX = 2,
-    FIT_SIDE_MAX = FIT_EDGE_TERMS + 2 * FIT_GHOST_MAX,
+    FIT_CROSS_MAX = 3, /* partners of one ridge */
+    FIT_SIDE_MAX = FIT_EDGE_TERMS + 2 * FIT_GHOST_MAX + FIT_CROSS_MAX,
     FIT_SHARED_MAX = DIF_FIT_RIDGE_MAX + 2
 };
 
 /* Distances of ghosts that are modelled, in line widths. */
 #define FIT_APART_MIN 2.0
 #define FIT_APART_MAX 9.0
+/* Ridges closer than this many line widths interfere. */
+#define FIT_CROSS_SIGMA 6.0
+
+/* A line is clean if the model leaves less than this share of the data's rms. */
+#define FIT_CLEAN_SHARE 0.03
 
 /* One cell of the table. */
 typedef struct fit_cell {
@@ -38,10 +45,11 @@ typedef struct fit_cell {
 
 typedef struct fit_ridge {
     int group, order;
-    double f_per_um;        /* start; used if the centre is free                        */
-    double kz_low, kz_high; /* where its amplitude splines live                         */
-    int n_coef, n_side;     /* coefficients of C; of each side term                     */
-    int at;                 /* first coefficient in its group's block                   */
+    double f_per_um;                   /* start; used if the centre is free                        */
+    double kz_low, kz_high;            /* where its amplitude splines live                         */
+    int n_coef, n_side;                /* coefficients of C; of each side term, 0: none                     */
+    int n_cross, cross[FIT_CROSS_MAX]; /* later ridges of the group close enough to interfere with */
+    int at;                            /* first coefficient in its group's block                   */
 } fit_ridge;
 
 typedef struct fit_group {
@@ -69,9 +77,6 @@ typedef struct fit_model {
 /* Numbers the parameters after ridges, groups and switches are set. */
 void fit_model_number(fit_model *model);
 
-/* Number of side terms of each ridge. */
-int fit_model_n_side(const fit_model *model);
-
 /* Centre of ridge k, offset and line width for given parameters. */
 double fit_model_centre(const fit_model *model, const double *par, int k);
 double fit_model_offset(const fit_model *model, const double *par);
@@ -82,6 +87,9 @@ double fit_model_frequency(const fit_cell *cell, double offset_rad, double *slop
 
 /* Value of C_k at kz. */
 double fit_model_amplitude(const fit_model *model, const double *par, int k, double kz);
+
+/* Model value of one cell and its Jacobian row[stride]: shared columns, then those of the cell's block. */
+double fit_model_row(const fit_model *model, const double *par, const fit_cell *cell, double *row);
 
 /* Model value of one cell, by a path of its own (no Jacobian): what residuals are recomputed with. */
 double fit_model_value(const fit_model *model, const double *par, const fit_cell *cell);

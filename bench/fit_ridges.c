@@ -138,62 +138,93 @@ static dif_status extract_group(const fit_state *all, int g, fit_state *out, dif
     return DIF_OK;
 }
 
-static bool is_sane(const fit_state *s, const double *start)
+/* The ridge to give up first: one that moved away, has no strength or fell onto another; -1 if all are sound. */
+static int unsound(const fit_state *s, const double *start)
 {
     const double sigma = s->model.line->sigma_per_um;
-    for (int k = 0; k < s->model.n_ridge; k++) {
+    for (int k = s->model.n_ridge - 1; k >= 0; k--) {
         if (!(fabs(s->par[k] - start[k]) < 2.5 * sigma) || !(fit_ridges_strength(s, k) > 0.0))
-            return false;
+            return k;
         for (int j = 0; j < k; j++)
             if (fabs(s->par[k] - s->par[j]) < 1.5 * sigma)
-                return false;
+                return k;
     }
-    return true;
+    return -1;
 }
 
-/* Starts amplitudes from zero and centres from the given ones. */
-static void start_from(fit_state *s, const double *centre)
+static int weakest(const fit_state *s)
 {
+    int k = 0;
+    for (int i = 1; i < s->model.n_ridge; i++)
+        if (fit_ridges_strength(s, i) < fit_ridges_strength(s, k))
+            k = i;
+    return k;
+}
+
+static void drop(fit_model *m, double *centre, int k)
+{
+    for (int i = k; i + 1 < m->n_ridge; i++) {
+        m->ridge[i] = m->ridge[i + 1];
+        centre[i] = centre[i + 1];
+    }
+    m->n_ridge--;
+}
+
+/* Fits the group with free centres from the given ones; ridges that are not seen are dropped first. */
+static dif_status solve_group(fit_state *s, double *centre, dif_error *err)
+{
+    int lost = 0;
+    while (!fit_ridges_range(&s->model, s->n_cell, s->cell, centre, &lost))
+        drop(&s->model, centre, lost);
+    for (int k = 0; k < s->model.n_ridge; k++)
+        s->model.ridge[k].f_per_um = centre[k];
     fit_model_number(&s->model);
     memset(s->par, 0, sizeof s->par);
-    for (int k = 0; k < s->model.n_ridge; k++)
-        s->par[k] = centre[k];
+    memcpy(s->par, centre, (size_t)s->model.n_ridge * sizeof *centre);
+    return fit_model_solve(&s->model, s->n_cell, s->cell, FIT_PLAIN, s->par, &s->outcome, err);
 }
 
-/* Adds candidates to one group's model while the criterion falls; one and trial are two states of the group. */
-static dif_status grow(fit_state *one, fit_state *trial, int n, const fit_candidate *candidate, int n_free,
-                       dif_error *err)
+/* Puts the group's candidates into a model, at most n_free. */
+static void add_candidates(fit_model *m, int n, const fit_candidate *candidate, int n_free, double *centre)
+{
+    m->n_ridge = 0;
+    for (int c = 0; c < n && m->n_ridge < n_free; c++) {
+        const double f = candidate[c].f_per_um;
+        if (f < m->group[0].f_low || f > m->group[0].f_high)
+            continue;
+        m->ridge[m->n_ridge] = (fit_ridge){.n_coef = FIT_CHOOSE_COEF, .n_side = FIT_CHOOSE_COEF};
+        centre[m->n_ridge++] = f;
+    }
+}
+
+/* All candidates of one group together (ridges that interfere explain little one by one), then without the weakest as
+ * long as the criterion falls. one and trial are two states of the group. */
+static dif_status prune(fit_state *one, fit_state *trial, int n, const fit_candidate *candidate, int n_free,
+                        dif_error *err)
 {
     double centre[DIF_FIT_RIDGE_MAX] = {0};
-    int lost = 0;
-    fit_ridges_range(&one->model, one->n_cell, one->cell, centre, &lost);
-    start_from(one, centre);
-    dif_status status = fit_model_solve(&one->model, one->n_cell, one->cell, FIT_PLAIN, one->par, &one->outcome, err);
-    for (int c = 0; c < n && status == DIF_OK && one->model.n_ridge < n_free; c++) {
-        const double f = candidate[c].f_per_um;
-        if (f < one->model.group[0].f_low || f > one->model.group[0].f_high)
-            continue;
-        fit_cell *cells = trial->cell;
-        *trial = *one;
-        trial->cell = cells;
-        for (int k = 0; k < one->model.n_ridge; k++)
-            centre[k] = one->par[k];
-        const int k = trial->model.n_ridge++;
-        trial->model.ridge[k] = (fit_ridge){.n_coef = 6};
-        centre[k] = f;
-        if (!fit_ridges_range(&trial->model, trial->n_cell, cells, centre, &lost))
-            continue;
-        start_from(trial, centre);
-        status = fit_model_solve(&trial->model, trial->n_cell, cells, FIT_PLAIN, trial->par, &trial->outcome, err);
-        const double n_independent = trial->outcome.n_independent;
-        if (status == DIF_OK && is_sane(trial, centre) &&
-            fit_ridges_criterion(trial, n_independent) < fit_ridges_criterion(one, n_independent)) {
-            cells = one->cell;
-            *one = *trial;
-            one->cell = cells;
+    bool first = true;
+    add_candidates(&trial->model, n, candidate, n_free, centre);
+    for (;;) {
+        dif_status status = solve_group(trial, centre, err);
+        if (status != DIF_OK)
+            return status;
+        int k = unsound(trial, centre);
+        if (k < 0) {
+            const double n_independent = fmax(trial->outcome.n_independent, first ? 0.0 : one->outcome.n_independent);
+            if (first || fit_ridges_criterion(trial, n_independent) <= fit_ridges_criterion(one, n_independent))
+                *one = *trial;
+            else
+                return DIF_OK;
+            first = false;
+            k = trial->model.n_ridge > 0 ? weakest(trial) : 0;
         }
+        if (trial->model.n_ridge == 0)
+            return DIF_OK;
+        for (int i = 0; i < trial->model.n_ridge && unsound(trial, centre) < 0; i++)
+            centre[i] = trial->par[i];
+        drop(&trial->model, centre, k);
     }
-    return status;
 }
 
 dif_status fit_ridges_choose(fit_state *state, int n, const fit_candidate *candidate, dif_error *err)
@@ -208,8 +239,8 @@ dif_status fit_ridges_choose(fit_state *state, int n, const fit_candidate *candi
         status = extract_group(state, g, &one[0], err);
         if (status != DIF_OK)
             break;
-        one[1].cell = one[0].cell; /* the same cells, read only from here on */
-        status = grow(&one[0], &one[1], n, candidate, DIF_FIT_RIDGE_MAX - state->model.n_ridge, err);
+        one[1] = one[0]; /* shares the cells, read only from here on */
+        status = prune(&one[0], &one[1], n, candidate, DIF_FIT_RIDGE_MAX - state->model.n_ridge, err);
         for (int k = 0; k < one[0].model.n_ridge && status == DIF_OK; k++) {
             fit_ridge *r = &state->model.ridge[state->model.n_ridge];
             *r = one[0].model.ridge[k];

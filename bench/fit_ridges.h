@@ -12,6 +12,7 @@ enum {
     FIT_LEVEL = 4,      /* coefficients of the background's level   */
     FIT_SLOPE = 2,      /* and of its slope                         */
     FIT_CELL_MAX = 9000,
+    FIT_CHOOSE_COEF = 6,
     FIT_WALK_COEF = 6,
     FIT_GHOST_N_MAX = 6, /* highest multiple of 1/pitch whose fold is looked at */
     FIT_PAR_MAX = FIT_SHARED_MAX + DIF_FIT_RIDGE_MAX * ((1 + FIT_SIDE_MAX) * FIT_COEF_MAX + FIT_LEVEL + FIT_SLOPE)
@@ -41,8 +42,8 @@ int fit_ridges_group(const fit_view *view, double reach_per_um, int n, const dou
  * ridge is seen at. False if ridge k (of *lost) is not seen on both sides at FIT_LAMBDA_MIN wavelengths or more. */
 bool fit_ridges_range(fit_model *model, int n, const fit_cell *cells, const double *centre, int *lost);
 
-/* Adds ridges to each group, strongest candidate first, as long as the criterion falls; centres free. Fills the ridges
- * of state->model (line, groups and cells are set). */
+/* Chooses each group's ridges among the candidates by the criterion; centres free. Fills the ridges of state->model
+ * (line, groups and cells are set). */
 DIF_MUST_USE dif_status fit_ridges_choose(fit_state *state, int n, const fit_candidate *candidate, dif_error *err);
 
 /* BIC of a fit with the independent cells of another, richer one, so that the two can be compared. */
@@ -51,6 +52,9 @@ double fit_ridges_criterion(const fit_state *state, double n_independent);
 /* Fits all ridges together: number of coefficients by the criterion, side terms if they explain most of the rest. Shared
  * parameters start from state->par; pitch_um (or NaN) tells where ghosts of the samples lie. */
 DIF_MUST_USE dif_status fit_ridges_solve(fit_state *state, double pitch_um, dif_error *err);
+
+/* Takes ridge k out of a fitted state with free centres; the others start from where they are. */
+void fit_ridges_drop(fit_state *state, int k);
 
 /* Estimates of the parts: bands of wavelengths x ridges. */
 typedef struct fit_part {
