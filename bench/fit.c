@@ -24,6 +24,10 @@ dif_fit_table_opts dif_fit_table_opts_default(void)
 
 /* A centre less certain than this share of the line's width is not determined. */
 static const double centre_share_max = 0.3;
+/* Distance in f of cells that are fitted, in line widths. */
+static const double cell_step = 1.0 / 3.0;
+/* Fewer cells between the fitted ones than this say nothing. */
+static const int held_out_min = 100;
 /* Centre and an angular offset cannot be told apart beyond this correlation. */
 static const double correlation_max = 0.999;
 
@@ -80,7 +84,7 @@ static dif_status select_around(fit_work *w, int n, const double *centre, double
     s->cell = NULL;
     s->model.n_group = fit_ridges_group(&w->view, reach_sigma * sigma, n, centre, s->model.group);
     const fit_selection pick = {
-        .n_group = s->model.n_group, .group = s->model.group, .step_per_um = sigma / 3.0, .n_max = FIT_CELL_MAX};
+        .n_group = s->model.n_group, .group = s->model.group, .step_per_um = sigma * cell_step, .n_max = FIT_CELL_MAX};
     dif_status status = fit_view_select(&w->view, &pick, &s->cell, &s->n_cell, err);
     if (status == DIF_OK && s->n_cell == 0)
         status = dif_fail(err, DIF_ERR_FIT, "no cell near the peaks");
@@ -172,8 +176,8 @@ static dif_status set_orders(fit_work *w, const dif_fit_table_opts *o, dif_error
         const int m = o->order == DIF_FIT_ORDER_FIND ? 1 : o->order < 0 ? -o->order : o->order;
         for (int k = 0; k < s->model.n_ridge; k++)
             order[k] = fabs(f[k]) < w->line.sigma_per_um ? 0 : f[k] < 0.0 ? -m : m;
-        if (o->order == DIF_FIT_ORDER_FIND)
-            snprintf(w->order_note, sizeof w->order_note, "order 1 assumed for each ridge");
+        snprintf(w->order_note, sizeof w->order_note, "order %d %s for each ridge", m,
+                 o->order == DIF_FIT_ORDER_FIND ? "assumed" : "as given");
     }
     dif_status status = keep_orders(w, order, o->common_period && !o->offset_free, err);
     if (status != DIF_OK)
@@ -259,6 +263,31 @@ static dif_status solve_believed(fit_work *w, const dif_fit_table_opts *o, dif_e
     }
 }
 
+/* Cells that were not fitted, half way between those that were, must be explained as well: a model that only bends
+ * through its own cells is not believed. */
+static dif_status believe_held_out(const fit_work *w, dif_error *err)
+{
+    const fit_state *s = w->state;
+    const fit_selection between = {.n_group = s->model.n_group,
+                                   .group = s->model.group,
+                                   .step_per_um = w->line.sigma_per_um * cell_step,
+                                   .n_max = FIT_CELL_MAX,
+                                   .between = true};
+    fit_cell *cell = NULL;
+    int n = 0;
+    dif_status status = fit_view_select(&w->view, &between, &cell, &n, err);
+    double square = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double r = fit_model_value(&s->model, s->par, &cell[i]) - cell[i].y;
+        square += r * r;
+    }
+    dif_release(cell);
+    if (status == DIF_OK && n >= held_out_min && !(sqrt(square / n) <= 2.0 * s->outcome.residual_rms + 1e-9))
+        return dif_fail(err, DIF_ERR_FIT, "%d cells that were not fitted are off by %.3g, those that were by %.3g", n,
+                        sqrt(square / n), s->outcome.residual_rms);
+    return status;
+}
+
 static dif_status run(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
 {
     int n = 0;
@@ -275,6 +304,8 @@ static dif_status run(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
     status = set_orders(w, o, err);
     if (status == DIF_OK)
         status = solve_believed(w, o, err);
+    if (status == DIF_OK)
+        status = believe_held_out(w, err);
     if (status == DIF_OK)
         status = fit_ridges_parts(w->state, o->n_part, w->part, &w->n_part, err);
     return status;
