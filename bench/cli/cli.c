@@ -84,10 +84,15 @@ void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quant
         dif_cli_add(cli, for_table, DIF_COUNT(for_table));
 }
 
-const char *dif_cli_fixture_name(const dif_field_file *file)
+const char *dif_cli_fixture_kind(const char *title)
 {
     static const char mark[] = "diffbench fixture "; /* how `fixture` titles its files */
-    return strncmp(file->title, mark, sizeof mark - 1) == 0 ? file->title + sizeof mark - 1 : NULL;
+    return strncmp(title, mark, sizeof mark - 1) == 0 ? title + sizeof mark - 1 : NULL;
+}
+
+const char *dif_cli_fixture_name(const dif_field_file *file)
+{
+    return dif_cli_fixture_kind(file->title);
 }
 
 dif_measure_opts dif_cli_measure_opts(const dif_cli *cli, const dif_cli_measure *measure, const dif_field_file *file,

@@ -74,7 +74,10 @@ DIF_MUST_USE dif_status dif_cli_check_out(const char *path, dif_error *err);
 void dif_cli_say(const dif_cli *cli, const char *format, ...) DIF_PRINTF(2, 3);
 void dif_cli_say_stats(const dif_cli *cli, const dif_measure_stats *stats);
 
-/* The name of a synthetic surface of ours that a file holds ("blazed"), or NULL. */
+/* The kind of a synthetic surface of ours ("blazed") by its title, or NULL for any other. */
+const char *dif_cli_fixture_kind(const char *title);
+
+/* The same of a file. */
 const char *dif_cli_fixture_name(const dif_field_file *file);
 
 /* An operand that may be a response table or a surface, told apart by content: a table names its wavelengths. */

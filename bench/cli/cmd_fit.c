@@ -25,13 +25,14 @@ static const dif_cli_help HELP = {
 };
 
 enum { LINE_AUTO = -1, LINE_KNOWN, LINE_FREE };
+enum { PERIODS_AUTO = -1, PERIODS_COMMON, PERIODS_EACH };
 
 typedef struct fit_args {
     dif_cli_surface surface;
     double period_start_nm, sigma_um, patch_x_um, patch_y_um, index_n, index_kappa;
-    int line, window, average, quantity; /* -1 = as the table says */
+    int line, periods, window, average, quantity; /* -1 = as the table says */
     int n_ridge_max, order, n_part, n_harmonic;
-    bool offset, common_period, part_given, ridge_given;
+    bool offset, part_given, ridge_given;
 } fit_args;
 
 static void add_table_options(dif_cli *cli, fit_args *args)
@@ -42,8 +43,10 @@ static void add_table_options(dif_cli *cli, fit_args *args)
          "ridges to try; an information criterion decides (default 8)", &args->ridge_given},
         {"order", DIF_OPT_INT, &args->order, "[-100000, 100000]", "M",
          "order of the strongest ridge (default: found from the data)", NULL},
-        {"common-period", DIF_OPT_FLAG, &args->common_period, NULL, NULL,
-         "all ridges are orders of one grating (default: each has its own period)", NULL},
+        {"periods", DIF_OPT_CHOICE, &args->periods, "common|each", NULL,
+         "common: all ridges are orders of one grating; each: every ridge has a period of its own, as on a scan. "
+         "Default: common if the table is of a synthetic grating, each otherwise",
+         NULL},
         {"offset", DIF_OPT_FLAG, &args->offset, NULL, NULL, "also fit an angular offset of the goniometer", NULL},
         {"line", DIF_OPT_CHOICE, &args->line, "known|free", NULL,
          "line shape: of the window that made the table, or a Gaussian of free width (default: known where the table "
@@ -99,13 +102,22 @@ static int manifest_choice(const dif_manifest *manifest, const char *key, const 
     return -1;
 }
 
+/* Pitch of the samples along a plane that runs along one of the patch's axes, NaN along any other. */
+static double pitch_along_um(const dif_manifest *manifest, double azimuth_rad)
+{
+    const double c = fabs(cos(azimuth_rad)), s = fabs(sin(azimuth_rad));
+    const char *key = c > s ? "pitch_x_nm" : "pitch_y_nm";
+    return fmin(c, s) < 1e-9 ? manifest_number(manifest, key, NAN) * 1e-3 : (double)NAN;
+}
+
 /* The line shape from flags first, then from the table's own words; free if neither tells enough. */
-static dif_fit_line line_of(const fit_args *args, const dif_manifest *manifest)
+static dif_fit_line line_of(const fit_args *args, const dif_manifest *manifest, double azimuth_rad)
 {
     static const char *const windows[2] = {"gauss", "flat"}, *const averages[2] = {"none", "welch"};
     const int window = args->window >= 0 ? args->window : manifest_choice(manifest, "window", windows);
     const int average = args->average >= 0 ? args->average : manifest_choice(manifest, "average", averages);
     dif_fit_line line = {.window = {.kind = window == 1 ? DIF_WINDOW_FLAT : DIF_WINDOW_GAUSS}};
+    line.pitch_um = pitch_along_um(manifest, azimuth_rad);
     line.average = average == 1 ? DIF_AVERAGE_WELCH : DIF_AVERAGE_NONE;
     line.window.sigma_um = isnan(args->sigma_um) ? manifest_number(manifest, "sigma_um", NAN) : args->sigma_um;
     line.size_x_um = isnan(args->patch_x_um) ? manifest_number(manifest, "patch_x_um", NAN) : args->patch_x_um;
@@ -115,11 +127,25 @@ static dif_fit_line line_of(const fit_args *args, const dif_manifest *manifest)
     return line;
 }
 
+/* Whether all ridges belong to one grating: as said, or if `fixture` made the table's surface as one. */
+static bool has_common_period(const fit_args *args, const dif_manifest *manifest)
+{
+    static const char *const gratings[] = {"sine", "blazed", "lamellar", "triangle", "crossed"};
+    const char *title = dif_manifest_get(manifest, "surface_title");
+    const char *kind = title ? dif_cli_fixture_kind(title) : NULL;
+    if (args->periods != PERIODS_AUTO)
+        return args->periods == PERIODS_COMMON;
+    for (int i = 0; kind && i < DIF_COUNT(gratings); i++)
+        if (strcmp(kind, gratings[i]) == 0)
+            return true;
+    return false;
+}
+
 static dif_status fit_table(const dif_cli *cli, const fit_args *args, dif_cli_input *input, dif_fit_result *result,
                             dif_error *err)
 {
     dif_fit_table_opts opts = dif_fit_table_opts_default();
-    opts.line = line_of(args, &input->manifest);
+    opts.line = line_of(args, &input->manifest, input->table.plan.azimuth_rad);
     if (args->line == LINE_KNOWN && !opts.line.known)
         return dif_fail(err, DIF_ERR_ARG,
                         "%s: --line known, but the table does not tell its window, expected --window, --sigma-um, "
@@ -134,7 +160,7 @@ static dif_status fit_table(const dif_cli *cli, const fit_args *args, dif_cli_in
         opts.n_ridge_max = args->n_ridge_max;
     opts.order = args->order;
     opts.offset_free = args->offset;
-    opts.common_period = args->common_period;
+    opts.common_period = has_common_period(args, &input->manifest);
     opts.period_start_um = args->period_start_nm * 1e-3; /* NaN stays NaN */
     if (args->part_given)
         opts.n_part = args->n_part;
@@ -153,14 +179,15 @@ static dif_status fit_surface(const fit_args *args, const dif_cli_input *input, 
     return dif_fit_surface(&input->file.field, &opts, result, err);
 }
 
-/* A fit's reason does not know the file; the line must name it. */
-static int fail_named(const dif_cli *cli, const dif_error *err)
+/* A fit's reason does not know the file nor the flags; the line must name them. */
+static int fail_named(const dif_cli *cli, const fit_args *args, const dif_cli_input *input, const dif_error *err)
 {
     dif_error named = {.status = err->status};
     const char *path = cli->operand[0];
-    const bool has_name = strncmp(err->text, path, strlen(path)) == 0;
-    dif_fail(&named, err->status, "%s%s%s%s", has_name ? "" : path, has_name ? "" : ": ",
-             err->status == DIF_ERR_FIT ? "no period: " : "", err->text);
+    const bool has_name = strncmp(err->text, path, strlen(path)) == 0, is_fit = err->status == DIF_ERR_FIT;
+    const bool is_each = is_fit && input->is_table && !has_common_period(args, &input->manifest);
+    dif_fail(&named, err->status, "%s%s%s%s%s", has_name ? "" : path, has_name ? "" : ": ", is_fit ? "no period: " : "",
+             err->text, is_each ? " (if it is a grating: --periods common)" : "");
     return dif_cmd_fail(cli->verb, &named);
 }
 
@@ -180,13 +207,14 @@ static int execute(const dif_cli *cli, const fit_args *args)
     status = input.is_table ? fit_table(cli, args, &input, &table, &err) : fit_surface(args, &input, &surface, &err);
     if (!status)
         status = dif_cli_manifest(cli, cli->operand[0], &manifest, &err);
+    const bool is_common = has_common_period(args, &input.manifest);
     if (status)
-        code = fail_named(cli, &err);
+        code = fail_named(cli, args, &input, &err);
     else if (cli->json)
-        code = dif_json_print(cli, input.is_table ? dif_fit_table_json(&table, &manifest)
+        code = dif_json_print(cli, input.is_table ? dif_fit_table_json(&table, is_common, &manifest)
                                                   : dif_fit_surface_json(&surface, &manifest));
     else if (input.is_table)
-        dif_fit_table_print(&table);
+        dif_fit_table_print(&table, is_common);
     else
         dif_fit_surface_print(&surface);
 done:
@@ -206,6 +234,7 @@ int dif_cmd_fit(int argc, char **argv)
                      .index_n = none,
                      .index_kappa = none,
                      .line = LINE_AUTO,
+                     .periods = PERIODS_AUTO,
                      .window = -1,
                      .average = -1,
                      .quantity = -1,

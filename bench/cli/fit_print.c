@@ -20,13 +20,18 @@ static void print_note(const char *note)
         printf("note       %s\n", note);
 }
 
-void dif_fit_table_print(const dif_fit_result *r)
+void dif_fit_table_print(const dif_fit_result *r, bool is_common)
 {
-    printf("period     ");
+    const bool has_many = r->n_ridge > 1 && !is_common;
+    printf(has_many ? "strongest  " : "period     ");
     print_pair(dif_nm_from_um(r->period_um), dif_nm_from_um(r->period_uncertainty_um));
-    printf(" (one standard error: the larger of the two below)\n"
-           "           covariance %.3g nm, scatter over %d disjoint parts %.3g nm\n",
-           dif_nm_from_um(r->period_sd_um), r->n_part, dif_nm_from_um(r->period_scatter_um));
+    printf(" (one standard error, the largest of these)\n"
+           "           covariance %.3g nm, scatter over %d disjoint parts %.3g nm, model %.3g nm\n",
+           dif_nm_from_um(r->period_sd_um), r->n_part, dif_nm_from_um(r->period_scatter_um),
+           dif_nm_from_um(r->period_model_um));
+    if (has_many)
+        printf("           of %d ridges, %.0f %% of the power: no single period\n", r->n_ridge,
+               100.0 * r->ridge[0].weight);
     if (r->offset_sd_rad > 0.0)
         printf("offset     %.6f deg +- %.2g deg\n", dif_deg_from_rad(r->offset_rad),
                dif_deg_from_rad(r->offset_sd_rad));
@@ -43,16 +48,24 @@ void dif_fit_table_print(const dif_fit_result *r)
     print_note(r->note);
 }
 
+/* An azimuth of [0, 180) that would be printed as 180 is printed as 0. */
+static double printed_azimuth_deg(double psi_rad)
+{
+    const double deg = dif_deg_from_rad(psi_rad);
+    return deg >= 179.99995 ? 0.0 : deg;
+}
+
 void dif_fit_surface_print(const dif_fit_surface_result *r)
 {
     printf("period     ");
     print_pair(dif_nm_from_um(r->period_um), dif_nm_from_um(r->period_uncertainty_um));
-    printf(
-        " (one standard error: the larger of the two below)\n"
-        "           covariance %.3g nm, scatter over %d bands of the scan %.3g nm (their standard deviation %.3g nm)\n"
-        "groove     normal at azimuth %.4f deg +- %.2g deg\n",
-        dif_nm_from_um(r->period_sd_um), r->n_part, dif_nm_from_um(r->period_scatter_um), dif_nm_from_um(r->band_sd_um),
-        dif_deg_from_rad(r->psi_rad), dif_deg_from_rad(r->psi_sd_rad));
+    printf(" (one standard error, the largest of these)\n"
+           "           covariance %.3g nm, scatter over %d bands of the scan %.3g nm, profile %.3g nm\n"
+           "           (the bands' own standard deviation is %.3g nm)\n"
+           "groove     normal at azimuth %.4f deg +- %.2g deg\n",
+           dif_nm_from_um(r->period_sd_um), r->n_part, dif_nm_from_um(r->period_scatter_um),
+           dif_nm_from_um(r->period_profile_um), dif_nm_from_um(r->band_sd_um), printed_azimuth_deg(r->psi_rad),
+           dif_deg_from_rad(r->psi_sd_rad));
     printf("harmonics ");
     for (int i = 0; i < r->n_harmonic; i++)
         printf(" %.4g", dif_nm_from_um(r->amplitude_um[i]));
@@ -85,10 +98,11 @@ static json_t *json_ridge(const dif_fit_ridge *ridge)
     return object;
 }
 
-json_t *dif_fit_table_json(const dif_fit_result *r, const dif_manifest *manifest)
+json_t *dif_fit_table_json(const dif_fit_result *r, bool is_common, const dif_manifest *manifest)
 {
-    json_t *object = json_pack("{s:s}", "kind", "table"), *ridges = json_array();
+    json_t *object = json_pack("{s:s, s:b}", "kind", "table", "common_period", is_common), *ridges = json_array();
     set_period(object, r->period_um, r->period_sd_um, r->period_scatter_um);
+    set_number(object, "period_model_nm", dif_nm_from_um(r->period_model_um));
     set_number(object, "period_uncertainty_nm", dif_nm_from_um(r->period_uncertainty_um));
     set_number(object, "offset_deg", dif_deg_from_rad(r->offset_rad));
     set_number(object, "offset_sd_deg", dif_deg_from_rad(r->offset_sd_rad));
@@ -111,6 +125,7 @@ json_t *dif_fit_surface_json(const dif_fit_surface_result *r, const dif_manifest
 {
     json_t *object = json_pack("{s:s}", "kind", "surface"), *harmonics = json_array();
     set_period(object, r->period_um, r->period_sd_um, r->period_scatter_um);
+    set_number(object, "period_profile_nm", dif_nm_from_um(r->period_profile_um));
     set_number(object, "period_uncertainty_nm", dif_nm_from_um(r->period_uncertainty_um));
     set_number(object, "band_sd_nm", dif_nm_from_um(r->band_sd_um));
     set_number(object, "psi_deg", dif_deg_from_rad(r->psi_rad));

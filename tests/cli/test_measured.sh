@@ -25,6 +25,16 @@ run 0 table "${xeno[@]}" "${plan[@]}" --azimuth-deg 90 --angle-deg -50:-25:0.05 
 err_has '8.bit'
 err_has 'average welch \(by default'
 
+# several ridges are told as such, with weights, not as one period
+run 0 table "${elaphe[@]}" --theta-i-deg 75 --lambda-nm 380:780:4 --azimuth-deg 0 --angle-deg -40:-15:0.05 --out e0.csv --quiet
+run 0 fit e0.csv
+out_has '^strongest +[0-9.]+ nm \+- '
+out_has '^ +of [0-9]+ ridges, [0-9]+ % of the power: no single period$'
+run 0 fit e0.csv --json
+ok "several ridges" [ "$(json 'ridges#')" -gt 1 ]
+near "weights sum to 1" "$("$tool" json ridges <out | sed 's/}/\n/g' | sed -n 's/.*"weight": \([0-9.e-]*\).*/\1/p' |
+    awk '{ sum += $1 } END { print sum }')" 1 1e-4
+
 # periods of surfaces
 run 0 fit "$data/afm/bipm_grating.gsf" --json
 near "grating of the BIPM" "$(json period_nm)" 287.99 0.6
