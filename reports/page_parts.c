@@ -131,7 +131,7 @@ static void write_fit_row(FILE *html, const json_t *doc, const char *name, const
     const double off = period - dif_result_number(doc, "known.period_nm");
     if (isfinite(off)) {
         cell(html, off, 2, "nm");
-        cell(html, fabs(off) / u, 2, "");
+        cell(html, dif_result_true(doc, "known.exact") ? fabs(off) / u : (double)NAN, 2, "");
     }
     fputs("</tr>\n", html);
 }

@@ -48,7 +48,7 @@ static void add_options(dif_cli *cli, report_args *args)
         {"theta-r-deg", DIF_OPT_REAL, &args->theta_r_deg, "(-90, 90)", "DEG", "or: fixed angle of the detector", NULL},
         {"angle-deg", DIF_OPT_RANGE, &args->angle_deg, "(-90, 90)", "MIN:MAX:STEP",
          "the other angle (default -85:85:0.05)", NULL},
-        {"lambda-nm", DIF_OPT_RANGE, &args->lambda_nm, "(0, inf)", "MIN:MAX:STEP", "wavelengths (default 380:780:5)",
+        {"lambda-nm", DIF_OPT_RANGE, &args->lambda_nm, "(0, inf)", "MIN:MAX:STEP", "wavelengths (default 380:780:4)",
          NULL},
         {"azimuth-deg", DIF_OPT_REAL, &args->azimuth_deg, "[-360, 360]", "DEG",
          "of the plane of incidence (default: across the strongest structure)", NULL},
@@ -313,7 +313,7 @@ int dif_cmd_report(int argc, char **argv)
                         .theta_r_deg = NAN,
                         .azimuth_deg = NAN,
                         .angle_deg = {-85.0, 85.0, 0.05, 3401},
-                        .lambda_nm = {380.0, 780.0, 5.0, 81}};
+                        .lambda_nm = {380.0, 780.0, 4.0, 101}};
     dif_cli cli;
     dif_cli_begin(&cli, argc, argv, &HELP);
     add_options(&cli, &args);
