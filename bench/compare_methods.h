@@ -47,7 +47,7 @@ typedef struct dif_compare_row {
 typedef struct dif_compare {
     int n;
     dif_compare_row row[DIF_COMPARE_MAX];
-    double exposure; /* colours are compared times this: away from the mirror direction (|sin sum| > 0.1) the 90th
+    double exposure; /* colours are compared times this: away from the mirror direction (|sin sum| > 0.1) the 99th
                         percentile of full sampling's Y becomes 1                                             */
 } dif_compare;
 

@@ -6,7 +6,7 @@
 #include "core/colour.h"
 #include "core/units.h"
 
-#define EXPOSED     0.9  /* quantile of luminance that becomes white                     */
+#define EXPOSED     0.99 /* quantile of luminance that becomes white                     */
 #define MIRROR_SINE 0.1  /* |sin theta_i + sin theta_o| of the mirror's neighbourhood    */
 #define SHOWN_SHARE 0.01 /* of white: darker angles have no chromaticity to compare      */
 

@@ -43,7 +43,7 @@ dif_measure_opts dif_measure_opts_default(void)
                               .n_replica = DIF_REPLICAS_FROM_WINDOW,
                               .n_replica_across = DIF_REPLICAS_FROM_WINDOW,
                               .nmm_jacobian = true,
-                              .nmm_fixed = 8,
+                              .nmm_fixed = 16,
                               .n_thread = 0};
 }
 

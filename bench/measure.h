@@ -61,7 +61,7 @@ typedef struct dif_measure_opts {
 } dif_measure_opts;
 
 /* sheet, Gaussian of DIF_SIGMA_DEFAULT_UM, average none, rho, n = 1.5, all threads; DIF_THESIS_TERMS terms, no period,
- * replicas from the window, nmm with its Jacobian, over the patch's extent, 8 fixed wavelengths. */
+ * replicas from the window, nmm with its Jacobian, over the patch's extent, 16 fixed wavelengths. */
 dif_measure_opts dif_measure_opts_default(void);
 
 /* What a measurement cost and reached. */

@@ -68,6 +68,10 @@ bool dif_method_has_windows(dif_method method);
 /* Options of the methods beyond sheet, taylor and direct. */
 DIF_MUST_USE dif_status dif_method_check_opts(const dif_field *field, const dif_measure_opts *opts, dif_error *err);
 
+/* nmm of a measurement whose wavelengths lie in that range. */
+dif_nmm dif_method_nmm(const dif_field *field, const dif_measure_opts *opts, double lambda_min_um,
+                       double lambda_max_um);
+
 /* Where a method will be asked: sums over all points at k = 1, and the wavelengths. */
 typedef struct dif_reach {
     double s_max, c_min, c_max;        /* of |(u, v)| and -w                                */

@@ -46,7 +46,7 @@ static dif_stam stam_of(const dif_field *field, const dif_measure_opts *opts)
     return (dif_stam){opts->period_um, opts->period_across_um, opts->psi_rad, sigma_of(field, opts)};
 }
 
-static dif_nmm nmm_of(const dif_field *field, const dif_measure_opts *opts, double lambda_min_um, double lambda_max_um)
+dif_nmm dif_method_nmm(const dif_field *field, const dif_measure_opts *opts, double lambda_min_um, double lambda_max_um)
 {
     const double extent_um = fmax(field->nx * field->pitch_x_um, field->ny * field->pitch_y_um);
     return (dif_nmm){.extent_um = opts->nmm_lines ? opts->period_um : extent_um,
@@ -79,7 +79,7 @@ dif_status dif_method_check_opts(const dif_field *field, const dif_measure_opts 
         return status == DIF_OK ? dif_stam_check(&stam, err) : status;
     }
     if (opts->method == DIF_METHOD_NMM) {
-        const dif_nmm nmm = nmm_of(field, opts, VISIBLE_MIN_UM, VISIBLE_MAX_UM);
+        const dif_nmm nmm = dif_method_nmm(field, opts, VISIBLE_MIN_UM, VISIBLE_MAX_UM);
         status = opts->nmm_lines ? need_period(opts, err) : DIF_OK;
         return status == DIF_OK ? dif_nmm_check(&nmm, err) : status;
     }
@@ -153,7 +153,7 @@ dif_status dif_reader_open(const dif_field *field, const dif_window *window, con
                         .cos_azimuth = cos(reach->azimuth_rad),
                         .sin_azimuth = sin(reach->azimuth_rad),
                         .stam = stam_of(field, opts),
-                        .nmm = nmm_of(field, opts, reach->lambda_min_um, reach->lambda_max_um)};
+                        .nmm = dif_method_nmm(field, opts, reach->lambda_min_um, reach->lambda_max_um)};
     if (opts->method == DIF_METHOD_PQ) {
         status = dif_measure_cell(field, opts, &out->cell, &out->replica, err);
         if (status == DIF_OK)

@@ -5,7 +5,9 @@
  *
  *   int p(lambda) S(lambda) dlambda  ~  sum_n p(lambda_n) S(lambda_n) lambda_n^2 / (D s),    |dlambda/dn| = lambda^2/(D s)
  *
- * This samples p often enough because |P|^2 holds no frequency finer than 1/D. For an exactly periodic patch D may be
+ * This samples p often enough because |P|^2 holds no frequency finer than 1/D. It holds 1/D itself if the window is not
+ * yet small at the patch's edges: then the light that its cut scatters into dark directions is not seen at the bins,
+ * where the two edges cancel. For an exactly periodic patch D may be
  * its period (`lines`): the bins are then the orders, between which there is no light, and each stands for its line, of
  * area A in f, whence the weight lambda_n^2 A / s.
  * Where fewer than n_fixed bins are seen (near s = 0; for lines: none), n_fixed fixed wavelengths take over.
