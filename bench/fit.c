@@ -113,21 +113,6 @@ static dif_status find_candidates(fit_work *w, const dif_fit_table_opts *o, int 
     return select_around(w, *n, centre, FIT_CHOOSE_SIGMA, err);
 }
 
-/* Strengths of the ridges found so far, from the data: mean power within one width, background included. */
-static void rough_weights(const fit_state *s, double *weight)
-{
-    for (int k = 0; k < s->model.n_ridge; k++) {
-        double sum = 0.0;
-        int n = 0;
-        for (int i = 0; i < s->n_cell; i++)
-            if (fabs(s->cell[i].f_per_um - s->par[k]) < s->model.line->sigma_per_um) {
-                sum += s->cell[i].y;
-                n++;
-            }
-        weight[k] = n > 0 ? sum / n : 0.0;
-    }
-}
-
 /* Keeps the ridges that have an order, and the cells around them. The mirror direction knows nothing of a common period
  * (only of an offset), and its strength would hide the orders' misfit. */
 static dif_status keep_orders(fit_work *w, const int *order, bool mirror_useless, dif_error *err)
@@ -159,7 +144,8 @@ static dif_status set_orders(fit_work *w, const dif_fit_table_opts *o, dif_error
     double f[DIF_FIT_RIDGE_MAX], weight[DIF_FIT_RIDGE_MAX], g = 0.0;
     int order[DIF_FIT_RIDGE_MAX];
     memcpy(f, s->par, sizeof f);
-    rough_weights(s, weight);
+    for (int k = 0; k < s->model.n_ridge; k++)
+        weight[k] = s->model.ridge[k].strength;
     if (o->common_period) {
         const fit_order_input in = {.n = s->model.n_ridge,
                                     .f_per_um = f,
@@ -168,7 +154,8 @@ static dif_status set_orders(fit_work *w, const dif_fit_table_opts *o, dif_error
                                     .f_low = w->view.f_low,
                                     .f_high = w->view.f_high,
                                     .order = o->order,
-                                    .period_start_um = o->period_start_um};
+                                    .period_start_um = o->period_start_um,
+                                    .loose = o->offset_free};
         dif_status found = fit_order_assign(&in, order, &g, w->order_note, err);
         if (found != DIF_OK)
             return found;

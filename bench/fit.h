@@ -57,7 +57,7 @@ typedef struct dif_fit_result {
     dif_fit_ridge ridge[DIF_FIT_RIDGE_MAX]; /* strongest first                                            */
     double period_um;                       /* of the grating (common period) or of the strongest ridge   */
     double period_sd_um, period_scatter_um; /* from the covariance; from disjoint parts                   */
-    double period_model_um;                 /* what the last refinement of the model moved, 0 if there was none */
+    double period_model_um;                 /* of a refined model: 3 times its last step, 2 % of all at least */
     double period_uncertainty_um;           /* the stated one: the largest of the three                  */
     double offset_rad, offset_sd_rad;       /* 0 and 0 if not fitted                                      */
     double residual_rms, residual_share;    /* recomputed outside the solver: rms; rms / rms of the data   */

@@ -132,6 +132,8 @@ void fit_view_free(fit_view *view)
     *view = (fit_view){0};
 }
 
+enum { N_ROW_MIN = 64 };
+
 /* Cells of one wavelength as they are met. */
 typedef struct picker {
     const fit_view *view;
@@ -139,6 +141,7 @@ typedef struct picker {
     int stride[DIF_FIT_RIDGE_MAX]; /* of the wavelengths, per group */
     fit_cell *out;                 /* NULL: only count              */
     int n, n_group[DIF_FIT_RIDGE_MAX];
+    int n_row[DIF_FIT_RIDGE_MAX], last_row[DIF_FIT_RIDGE_MAX]; /* wavelengths seen */
 } picker;
 
 static int group_of(const fit_selection *s, double f)
@@ -163,6 +166,8 @@ static void pick(picker *p, int il, int ia, int group)
     }
     p->n++;
     p->n_group[group]++;
+    p->n_row[group] += p->last_row[group] != il;
+    p->last_row[group] = il;
 }
 
 /* Takes each cell that is at least a step from the last one taken. The cells "between" are those half a step later. */
@@ -195,17 +200,24 @@ static void pick_row(picker *p, int il)
 static void pick_all(picker *p)
 {
     p->n = 0;
-    memset(p->n_group, 0, sizeof p->n_group);
+    for (int g = 0; g < p->s->n_group; g++) {
+        p->n_group[g] = 0;
+        p->n_row[g] = 0;
+        p->last_row[g] = -1;
+    }
     for (int il = 0; il < p->view->table->plan.n_lambda; il++)
         pick_row(p, il);
 }
 
-/* A group that has more than its share of cells gives up wavelengths; one that has few keeps them all. */
+/* A group that has more than its share of cells gives up wavelengths, but keeps enough of them for its bands. */
 static void set_strides(picker *p)
 {
     const int share = p->s->n_max / p->s->n_group;
-    for (int g = 0; g < p->s->n_group; g++)
-        p->stride[g] = p->n_group[g] > share ? (p->n_group[g] + share - 1) / share : 1;
+    for (int g = 0; g < p->s->n_group; g++) {
+        const int wanted = (p->n_group[g] + share - 1) / share, most = p->n_row[g] / N_ROW_MIN;
+        p->stride[g] = wanted < most ? wanted : most;
+        p->stride[g] = p->stride[g] > 1 ? p->stride[g] : 1;
+    }
 }
 
 dif_status fit_view_select(const fit_view *view, const fit_selection *selection, fit_cell **out, int *n, dif_error *err)
@@ -213,7 +225,8 @@ dif_status fit_view_select(const fit_view *view, const fit_selection *selection,
     picker p = {.view = view, .s = selection};
     *out = NULL;
     *n = 0;
-    set_strides(&p);
+    for (int g = 0; g < selection->n_group; g++)
+        p.stride[g] = 1;
     pick_all(&p);
     set_strides(&p);
     pick_all(&p);

@@ -141,8 +141,10 @@ static dif_status add_sides(fit_state *s, double pitch_um, start *from, fit_stat
             status = choose_coefs(s, step > 0 ? 1 : 0, from, trial, &n_trial, err);
         if (status != DIF_OK || !(trial->outcome.residual_rms < side_gain * best->outcome.residual_rms))
             break;
-        for (int k = 0; k < s->model.n_ridge; k++)
+        for (int k = 0; k < s->model.n_ridge; k++) {
             s->before[k] = fit_model_centre(&best->model, best->par, k);
+            s->plain[k] = step == 0 ? s->before[k] : s->plain[k];
+        }
         s->has_before = true;
         *best = *trial;
         *n_coef = n_trial;
@@ -196,17 +198,20 @@ cleanup:
     return status;
 }
 
-/* First and last wavelength index that a group's cells have. */
-static void lambda_span(const fit_state *s, int g, int *first, int *last)
+/* First and last wavelength index that a group's cells have, and how many there are. */
+static int lambda_span(const fit_state *s, int g, int *first, int *last)
 {
+    int n = 0;
     *first = -1;
     *last = -1;
     for (int i = 0; i < s->n_cell; i++)
         if (s->cell[i].group == g) {
             if (*first < 0)
                 *first = s->cell[i].i_lambda;
+            n += s->cell[i].i_lambda != *last;
             *last = s->cell[i].i_lambda;
         }
+    return n;
 }
 
 /* The cells of one group in one band of wavelengths, with the offset applied. */
@@ -312,11 +317,13 @@ dif_status fit_ridges_parts(const fit_state *state, int n_band, fit_part *part, 
     one->cell = cell;
     for (int g = 0; g < state->model.n_group; g++) {
         int first = 0, last = 0;
-        lambda_span(state, g, &first, &last);
-        const double width = (last - first + 1) / (double)n_band;
-        for (int b = 0; b < n_band && status == DIF_OK; b++) {
+        const int n_lambda = lambda_span(state, g, &first, &last);
+        /* fewer bands rather than bands that are too short */
+        const int most = n_lambda / (FIT_LAMBDA_MIN + 2), n = n_band < most ? n_band : most;
+        const double width = (last - first + 1) / (double)n;
+        for (int b = 0; b < n && status == DIF_OK; b++) {
             extract_band(state, g, first + (int)lround(b * width), first + (int)lround((b + 1) * width), one);
-            status = fit_band(state, g, n_band, one, part, n_part, err);
+            status = fit_band(state, g, n, one, part, n_part, err);
         }
     }
 cleanup:

@@ -46,6 +46,7 @@ typedef struct fit_cell {
 typedef struct fit_ridge {
     int group, order;
     double f_per_um;                   /* start; used if the centre is free                        */
+    double strength;                   /* mean of C as first found */
     double kz_low, kz_high;            /* where its amplitude splines live                         */
     int n_coef, n_side;                /* coefficients of C; of each side term, 0: none                     */
     int n_cross, cross[FIT_CROSS_MAX]; /* later ridges of the group close enough to interfere with */

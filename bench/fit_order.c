@@ -3,9 +3,15 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-/* Centres may be off by this share of the line's width before a ridge is no order any more. */
-static const double centre_share = 0.2;
+/* Centres may be off by this share of the line's width before a ridge is no order any more; more if the angles may be
+ * off, too. */
+static double centre_share(const fit_order_input *in)
+{
+    return in->loose ? 1.0 : 0.2;
+}
+
 /* Ridges that are no orders may hold this share of the weight. */
 static const double left_over_share = 0.05;
 
@@ -30,7 +36,7 @@ static int order_at(const fit_order_input *in, int k, double g, int m_strong)
     if (is_specular(in, k))
         return 0;
     const double m = round(in->f_per_um[k] / g);
-    const double allowed = centre_share * in->sigma_per_um * fmax(1.0, fabs(m / m_strong));
+    const double allowed = centre_share(in) * in->sigma_per_um * fmax(1.0, fabs(m / m_strong));
     if (m == 0.0 || fabs(m) > 1000.0 || fabs(in->f_per_um[k] - m * g) > allowed)
         return FIT_ORDER_NONE;
     return (int)m;
@@ -56,16 +62,30 @@ static double explained(const fit_order_input *in, double g, int m_strong, int *
     return total > 0.0 ? sum / total : 0.0;
 }
 
+/* Nonzero orders inside the scan up to the highest one seen. */
+static int orders_in_scan(const fit_order_input *in, double g, int m_max)
+{
+    const double margin = 2.0 * in->sigma_per_um;
+    int n = 0;
+    for (int m = -m_max; m <= m_max; m++)
+        n += m != 0 && m * g > in->f_low + margin && m * g < in->f_high - margin;
+    return n;
+}
+
 /* Is a match by chance unlikely? Each further ridge lands within the tolerance of some order with chance
- * 2 tolerance / g. */
-static bool credible(const fit_order_input *in, double g, const int *order)
+ * 2 tolerance / g; and a base frequency of which most orders are missing explains anything. */
+static bool credible(const fit_order_input *in, double g, int m_strong, const int *order)
 {
     double chance = 1.0;
-    int n_seen = 0;
-    for (int k = 0; k < in->n; k++)
-        if (order[k] != FIT_ORDER_NONE && order[k] != 0 && n_seen++ > 0)
-            chance *= fmin(1.0, 2.0 * centre_share * in->sigma_per_um / g);
-    return n_seen < 2 || chance < 0.1;
+    int n_seen = 0, m_max = 1;
+    for (int k = 0; k < in->n; k++) {
+        if (order[k] == FIT_ORDER_NONE || order[k] == 0)
+            continue;
+        if (n_seen++ > 0)
+            chance *= fmin(1.0, 2.0 * centre_share(in) * in->sigma_per_um / g);
+        m_max = abs(order[k]) > m_max ? abs(order[k]) : m_max;
+    }
+    return (n_seen < 2 || chance < 0.1) && (m_strong == 1 || 2 * n_seen >= orders_in_scan(in, g, m_max));
 }
 
 static int gcd(int a, int b)
@@ -158,7 +178,7 @@ dif_status fit_order_assign(const fit_order_input *in, int *order, double *g_per
     const int first = m != 0 ? m * sign : 1, last = m != 0 ? m * sign : FIT_ORDER_STRONGEST_MAX;
     for (int a = first; a <= last; a++) {
         const double g = fabs(in->f_per_um[k]) / a;
-        if (explained(in, g, a, order) < 1.0 - left_over_share || !credible(in, g, order))
+        if (explained(in, g, a, order) < 1.0 - left_over_share || (m == 0 && !credible(in, g, a, order)))
             continue;
         *g_per_um = g;
         if (m != 0)

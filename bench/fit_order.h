@@ -3,6 +3,8 @@
 #ifndef DIF_FIT_ORDER_H
 #define DIF_FIT_ORDER_H
 
+#include <stdbool.h>
+
 #include "bench/fit.h"
 
 enum { FIT_ORDER_STRONGEST_MAX = 8 }; /* highest order that the strongest ridge is tried as */
@@ -14,6 +16,7 @@ typedef struct fit_order_input {
     double f_low, f_high;            /* what the scan covers                                    */
     int order;                       /* of the strongest ridge, or DIF_FIT_ORDER_FIND           */
     double period_start_um;          /* or NaN                                                  */
+    bool loose;                      /* an angular offset may move the centres                  */
 } fit_order_input;
 
 /* Marks ridges that no order of the period explains. */

@@ -22,10 +22,11 @@ static int headline(const dif_fit_result *r, double period_start_um)
 }
 
 /* Standard error of a centre from its parts: with weights w = 1/sd^2 of the parts about the value x of the whole fit,
- *   se^2 = sum w_j (x_j - x)^2 / ((n - 1) sum w_j),
- * which is sd/sqrt(n) for equal weights, and more if the parts together contradict the whole. The centres come in as
- * g = f/m (common period, all parts) or f (parts of one ridge; ridge >= 0). NaN for fewer than two parts. */
-static double scatter_of(const fit_work *w, int ridge, double x, int *n_used)
+ *   se^2 = [sum w_j (x_j - x)^2 / (n - 1)] / W,   W = the larger of sum w_j and 1/sd^2 of the whole fit,
+ * which is sd/sqrt(n) for equal weights, and more if the parts together contradict the whole; parts that see only some
+ * of what the whole sees cannot make it less certain than it is. The centres come in as g = f/m (common period, all
+ * parts) or f (parts of one ridge; ridge >= 0). NaN for fewer than two parts. */
+static double scatter_of(const fit_work *w, int ridge, double x, double sd_whole, int *n_used)
 {
     double sum_w = 0.0, sum = 0.0;
     *n_used = 0;
@@ -38,7 +39,7 @@ static double scatter_of(const fit_work *w, int ridge, double x, int *n_used)
         sum += d * d / (sd * sd);
         (*n_used)++;
     }
-    return *n_used > 1 ? sqrt(sum / ((*n_used - 1) * sum_w)) : (double)NAN;
+    return *n_used > 1 ? sqrt(sum / ((*n_used - 1) * fmax(sum_w, 1.0 / (sd_whole * sd_whole)))) : (double)NAN;
 }
 
 /* Variance of ridge k's centre from the covariance of the shared parameters. */
@@ -66,7 +67,7 @@ static void fill_ridges(const fit_work *w, dif_fit_result *r)
         const double per_f = fabs(to->order / (to->f_per_um * to->f_per_um));
         to->period_um = to->order ? fabs(to->order / to->f_per_um) : (double)NAN;
         to->period_sd_um = to->order ? per_f * to->f_sd_per_um : (double)NAN;
-        to->period_scatter_um = to->order ? per_f * scatter_of(w, k, to->f_per_um, &n) : (double)NAN;
+        to->period_scatter_um = to->order ? per_f * scatter_of(w, k, to->f_per_um, to->f_sd_per_um, &n) : (double)NAN;
         total += to->weight;
     }
     for (int k = 0; k < r->n_ridge; k++)
@@ -79,13 +80,18 @@ static void fill_ridges(const fit_work *w, dif_fit_result *r)
         }
 }
 
-/* Centre of the ridge that is now at f, before the model's last refinement. */
-static double before_of(const fit_state *s, double f_per_um)
+/* What a refined model's period may still be off: three times what the last refinement moved (the steps shrink, but not
+ * evenly), and no less than a share of what all of them did. f tells the ridge. */
+static double model_error_um(const fit_state *s, double f_per_um, int order)
 {
-    for (int k = 0; k < s->model.n_ridge; k++)
-        if (fit_model_centre(&s->model, s->par, k) == f_per_um)
-            return s->before[k];
-    return f_per_um;
+    const double steps = 3.0,
+                 share = 0.02; /* leaks are of this size in amplitude, and so is what a next step would move */
+    for (int k = 0; k < s->model.n_ridge && s->has_before; k++)
+        if (fit_model_centre(&s->model, s->par, k) == f_per_um) {
+            const double last = fabs(order / s->before[k] - order / f_per_um);
+            return fmax(steps * last, share * fabs(order / s->plain[k] - order / f_per_um));
+        }
+    return 0.0;
 }
 
 static void fill_period(const fit_work *w, double period_start_um, dif_fit_result *r)
@@ -97,15 +103,13 @@ static void fill_period(const fit_work *w, double period_start_um, dif_fit_resul
     r->period_scatter_um = top->period_scatter_um;
     if (s->model.common) {
         const double g = s->par[0];
-        r->period_scatter_um = scatter_of(w, -1, g, &r->n_part) / (g * g);
+        r->period_scatter_um = scatter_of(w, -1, g, sqrt(s->outcome.covariance[0]), &r->n_part) / (g * g);
     } else {
         r->n_part = 0;
         for (int i = 0; i < w->n_part; i++)
             r->n_part += fit_model_centre(&s->model, s->par, w->part[i].ridge) == top->f_per_um;
     }
-    /* a model that had to be refined is not exact after the refinement either: its last step says how far off */
-    r->period_model_um =
-        s->has_before ? fabs(top->order / before_of(s, top->f_per_um) - top->order / top->f_per_um) : 0.0;
+    r->period_model_um = model_error_um(s, top->f_per_um, top->order);
     r->period_uncertainty_um = fmax(fmax(r->period_sd_um, r->period_scatter_um), r->period_model_um); /* skips NaN */
     if (s->model.offset_free) {
         r->offset_rad = fit_model_offset(&s->model, s->par);

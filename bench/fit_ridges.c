@@ -246,6 +246,7 @@ dif_status fit_ridges_choose(fit_state *state, int n, const fit_candidate *candi
             *r = one[0].model.ridge[k];
             r->group = g;
             r->f_per_um = one[0].par[k];
+            r->strength = fit_ridges_strength(&one[0], k);
             state->par[state->model.n_ridge++] = r->f_per_um;
         }
     }

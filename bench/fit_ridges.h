@@ -30,8 +30,8 @@ typedef struct fit_state {
     int n_cell;
     double par[FIT_PAR_MAX];
     fit_outcome outcome;
-    bool has_before; /* the model was refined: centres before the last refinement */
-    double before[DIF_FIT_RIDGE_MAX];
+    bool has_before; /* the model was refined: centres without side terms, and before the last refinement */
+    double plain[DIF_FIT_RIDGE_MAX], before[DIF_FIT_RIDGE_MAX];
 } fit_state;
 
 /* Stretches of f of half width `reach` around the centres, merged where they meet; returns their number. */
