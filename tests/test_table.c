@@ -218,7 +218,9 @@ static void test_read__exr_that_is_no_table_is_refused(void **state)
             attribute[CASES[i - 1].at].text = CASES[i - 1].text ? CASES[i - 1].text : "";
             attribute[CASES[i - 1].at].name = CASES[i - 1].text ? GOOD[CASES[i - 1].at].name : "other";
         }
-        const dif_exr_image image = {2, 1, "rho", PIXEL, attribute, 5, NULL};
+        const dif_exr_layer layer = {"rho", PIXEL, 1};
+        const dif_exr_image image = {
+            .nx = 2, .ny = 1, .layer = &layer, .n_layer = 1, .attribute = attribute, .n_attribute = 5};
         assert_int_equal(dif_exr_encode(&image, &data, &n, &err), DIF_OK);
         const dif_status status = dif_table_parse(data, n, "f.exr", &table, NULL, &err);
         assert_int_equal(status, i == 0 ? DIF_OK : DIF_ERR_FORMAT);

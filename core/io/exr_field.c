@@ -36,6 +36,9 @@ static dif_status take_own(const dif_source *source, const dif_exr *exr, dif_raw
 {
     if (dif_exr_text(exr, DIF_EXR_PREFIX "fixed_angle"))
         return dif_fail(err, DIF_ERR_FORMAT, "%s: a response table, want a heightfield", source->name);
+    const char *layout = dif_exr_text(exr, DIF_EXR_PREFIX "layout");
+    if (layout)
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: holds '%.40s', want a heightfield", source->name, layout);
     double x_um = NAN, y_um = NAN;
     const bool has_x = dif_exr_number(exr, PITCH_X, &x_um), has_y = dif_exr_number(exr, PITCH_Y, &y_um);
     if (has_x || has_y) {
@@ -110,8 +113,14 @@ dif_status dif_exr_field_encode(const dif_field *field, const dif_manifest *mani
         {"Gwy::XReal", x_real, 0.0},        {"Gwy::YReal", y_real, 0.0},        {"Gwy::XYUnit", "m", 0.0},
         {"Gwy::ZUnit", "um", 0.0},
     };
-    const dif_exr_image image = {
-        field->nx, field->ny, "height", pixel, attributes, sizeof attributes / sizeof *attributes, manifest};
+    const dif_exr_layer layer = {"height", pixel, 1};
+    const dif_exr_image image = {.nx = field->nx,
+                                 .ny = field->ny,
+                                 .layer = &layer,
+                                 .n_layer = 1,
+                                 .attribute = attributes,
+                                 .n_attribute = sizeof attributes / sizeof *attributes,
+                                 .manifest = manifest};
     const dif_status status = dif_exr_encode(&image, data, n, err);
     dif_release(pixel);
     return status;

@@ -1,7 +1,6 @@
-/* Reading. */
-#include "core/io/exr_io.h"
+/* Reading: the file, its size and attributes. */
+#include "core/io/exr_impl.h"
 
-#include <openexr.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,15 +8,6 @@
 #include "core/io/number.h"
 
 static const size_t BLOCK_MAX = (size_t)1 << 30;
-
-struct dif_exr {
-    dif_source source;
-    exr_context_t context;
-    int nx, ny, x0, y0; /* data window */
-    bool tiled;
-    bool no_memory;   /* the library was refused memory; it does not always say so in its result */
-    char reason[160]; /* first complaint of the library */
-};
 
 void *dif_exr_alloc(size_t n_byte)
 {
@@ -61,7 +51,7 @@ static void keep_reason(exr_const_context_t context, exr_result_t code, const ch
     }
 }
 
-static dif_status fail_library(const dif_exr *exr, exr_result_t code, const char *what, dif_error *err)
+dif_status dif_exr_fail(const dif_exr *exr, exr_result_t code, const char *what, dif_error *err)
 {
     if (code == EXR_ERR_OUT_OF_MEMORY || exr->no_memory)
         return dif_fail(err, DIF_ERR_NOMEM, "%s: %s: out of memory", exr->source.name, what);
@@ -96,7 +86,7 @@ static dif_status check_part(dif_exr *exr, dif_error *err)
     if (code == EXR_ERR_SUCCESS)
         code = exr_get_data_window(exr->context, 0, &window);
     if (code != EXR_ERR_SUCCESS)
-        return fail_library(exr, code, "EXR header", err);
+        return dif_exr_fail(exr, code, "EXR header", err);
     if (n_part != 1)
         return dif_fail(err, DIF_ERR_UNSUPPORTED, "%s: EXR of %d parts, want one", exr->source.name, n_part);
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
@@ -124,7 +114,7 @@ dif_status dif_exr_open(const dif_source *source, dif_exr **out, dif_error *err)
         return dif_fail(err, DIF_ERR_NOMEM, "%s: EXR reader", source->name);
     exr->source = *source;
     const exr_result_t code = start_read(exr);
-    dif_status status = code == EXR_ERR_SUCCESS ? DIF_OK : fail_library(exr, code, "EXR header", err);
+    dif_status status = code == EXR_ERR_SUCCESS ? DIF_OK : dif_exr_fail(exr, code, "EXR header", err);
     if (!status)
         status = check_part(exr, err);
     if (status) {
@@ -211,154 +201,5 @@ dif_status dif_exr_take_manifest(const dif_exr *exr, const char *const *skip, di
         if (status)
             return status;
     }
-    return code == EXR_ERR_SUCCESS ? DIF_OK : fail_library(exr, code, "EXR attributes", err);
-}
-
-static dif_status find_channel(const dif_exr *exr, const char *name, char found[DIF_EXR_CHANNEL_SIZE], dif_error *err)
-{
-    const exr_attr_chlist_t *list = NULL;
-    const exr_result_t code = exr_get_channels(exr->context, 0, &list);
-    if (code != EXR_ERR_SUCCESS || !list || list->num_channels < 1)
-        return dif_fail(err, DIF_ERR_FORMAT, "%s: EXR without channels", exr->source.name);
-    const exr_attr_chlist_entry_t *entry = NULL;
-    for (int i = 0; i < list->num_channels; i++) {
-        if (strcmp(list->entries[i].name.str, name ? name : "R") == 0)
-            entry = &list->entries[i];
-    }
-    if (!entry && name)
-        return dif_fail(err, DIF_ERR_FORMAT, "%s: no channel '%.30s', the first of %d is '%.30s'", exr->source.name,
-                        name, list->num_channels, list->entries[0].name.str);
-    if (!entry)
-        entry = &list->entries[0];
-    if (entry->pixel_type != EXR_PIXEL_FLOAT && entry->pixel_type != EXR_PIXEL_HALF)
-        return dif_fail(err, DIF_ERR_UNSUPPORTED, "%s: channel '%.30s' holds integers, want float or half",
-                        exr->source.name, entry->name.str);
-    if (entry->x_sampling != 1 || entry->y_sampling != 1)
-        return dif_fail(err, DIF_ERR_UNSUPPORTED, "%s: channel '%.30s' is subsampled %d x %d, want 1 x 1",
-                        exr->source.name, entry->name.str, entry->x_sampling, entry->y_sampling);
-    if (strlen(entry->name.str) >= DIF_EXR_CHANNEL_SIZE)
-        return dif_fail(err, DIF_ERR_UNSUPPORTED, "%s: channel name of %zu bytes", exr->source.name,
-                        strlen(entry->name.str));
-    memcpy(found, entry->name.str, strlen(entry->name.str) + 1);
-    return DIF_OK;
-}
-
-/* A chunk is a strip of lines or a tile. */
-typedef struct chunk_grid {
-    int nx, ny;         /* chunks along x, y */
-    int size_x, size_y; /* samples of a full one */
-} chunk_grid;
-
-static exr_result_t find_chunks(const dif_exr *exr, chunk_grid *grid)
-{
-    int32_t size_x = exr->nx, size_y = 0;
-    exr_result_t code;
-    if (exr->tiled)
-        code = exr_get_tile_sizes(exr->context, 0, 0, 0, &size_x, &size_y);
-    else
-        code = exr_get_scanlines_per_chunk(exr->context, 0, &size_y);
-    if (code != EXR_ERR_SUCCESS)
-        return code;
-    if (size_x < 1 || size_y < 1)
-        return EXR_ERR_FILE_BAD_HEADER;
-    *grid = (chunk_grid){(exr->nx - 1) / size_x + 1, (exr->ny - 1) / size_y + 1, size_x, size_y};
-    return EXR_ERR_SUCCESS;
-}
-
-/* Looks a chunk up and checks it against its place: the decoder trusts these numbers. */
-static exr_result_t chunk_info(const dif_exr *exr, const chunk_grid *grid, int cx, int cy, exr_chunk_info_t *info)
-{
-    exr_result_t code;
-    const int y = exr->y0 + cy * grid->size_y;
-    if (exr->tiled)
-        code = exr_read_tile_chunk_info(exr->context, 0, cx, cy, 0, 0, info);
-    else
-        code = exr_read_scanline_chunk_info(exr->context, 0, y, info);
-    if (code != EXR_ERR_SUCCESS)
-        return code;
-    const int left_x = exr->nx - cx * grid->size_x, left_y = exr->ny - cy * grid->size_y;
-    const int want_x = left_x < grid->size_x ? left_x : grid->size_x;
-    const int want_y = left_y < grid->size_y ? left_y : grid->size_y;
-    const bool place_ok = exr->tiled ? info->start_x == cx && info->start_y == cy : info->start_y == y;
-    const bool fits = info->data_offset <= exr->source.n && info->packed_size <= exr->source.n - info->data_offset;
-    if (!place_ok || !fits || info->width != want_x || info->height != want_y)
-        return EXR_ERR_CORRUPT_CHUNK;
-    return EXR_ERR_SUCCESS;
-}
-
-/* Sends the named channel of the pipeline's chunk to its place in the picture, others nowhere. */
-static void aim_channel(const dif_exr *exr, const char *name, float *to, exr_decode_pipeline_t *decode)
-{
-    for (int i = 0; i < decode->channel_count; i++) {
-        exr_coding_channel_info_t *channel = &decode->channels[i];
-        channel->decode_to_ptr = NULL;
-        if (strcmp(channel->channel_name, name) == 0) {
-            channel->decode_to_ptr = (uint8_t *)to;
-            channel->user_data_type = EXR_PIXEL_FLOAT;
-            channel->user_bytes_per_element = sizeof(float);
-            channel->user_pixel_stride = sizeof(float);
-            channel->user_line_stride = exr->nx * (int32_t)sizeof(float);
-        }
-    }
-}
-
-static exr_result_t decode_chunk(const dif_exr *exr, const exr_chunk_info_t *info, const char *name, float *to,
-                                 exr_decode_pipeline_t *decode, bool *ready)
-{
-    exr_result_t code = *ready ? exr_decoding_update(exr->context, 0, info, decode)
-                               : exr_decoding_initialize(exr->context, 0, info, decode);
-    if (code != EXR_ERR_SUCCESS)
-        return code;
-    *ready = true;
-    aim_channel(exr, name, to, decode);
-    code = exr_decoding_choose_default_routines(exr->context, 0, decode);
-    return code == EXR_ERR_SUCCESS ? exr_decoding_run(exr->context, 0, decode) : code;
-}
-
-/* Walks over all chunks; with pixel NULL it only checks them, so that memory is asked for only by whole files. */
-static exr_result_t walk_chunks(const dif_exr *exr, const chunk_grid *grid, const char *name, float *pixel)
-{
-    exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
-    bool ready = false;
-    exr_result_t code = EXR_ERR_SUCCESS;
-    for (int cy = 0; cy < grid->ny && code == EXR_ERR_SUCCESS; cy++) {
-        for (int cx = 0; cx < grid->nx && code == EXR_ERR_SUCCESS; cx++) {
-            exr_chunk_info_t info = {0};
-            code = chunk_info(exr, grid, cx, cy, &info);
-            if (code != EXR_ERR_SUCCESS || !pixel)
-                continue;
-            float *to = pixel + (size_t)cy * (size_t)grid->size_y * (size_t)exr->nx + (size_t)cx * (size_t)grid->size_x;
-            code = decode_chunk(exr, &info, name, to, &decode, &ready);
-        }
-    }
-    if (ready)
-        exr_decoding_destroy(exr->context, &decode);
-    return code;
-}
-
-dif_status dif_exr_read_channel(dif_exr *exr, const char *name, float **pixel, char found[DIF_EXR_CHANNEL_SIZE],
-                                dif_error *err)
-{
-    *pixel = NULL;
-    if (exr->nx > INT32_MAX / (int)sizeof(float))
-        return dif_fail(err, DIF_ERR_SIZE, "%s: lines of %d samples", exr->source.name, exr->nx);
-    const dif_status status = find_channel(exr, name, found, err);
-    if (status)
-        return status;
-    chunk_grid grid = {0};
-    exr_result_t code = find_chunks(exr, &grid);
-    if (code == EXR_ERR_SUCCESS)
-        code = walk_chunks(exr, &grid, found, NULL);
-    if (code != EXR_ERR_SUCCESS)
-        return fail_library(exr, code, "EXR pixels", err);
-    float *out = dif_alloc((size_t)exr->nx * (size_t)exr->ny, sizeof *out);
-    if (!out)
-        return dif_fail(err, DIF_ERR_NOMEM, "%s: %d x %d samples", exr->source.name, exr->nx, exr->ny);
-    code = walk_chunks(exr, &grid, found, out);
-    if (code != EXR_ERR_SUCCESS) {
-        dif_release(out);
-        return fail_library(exr, code, "EXR pixels", err);
-    }
-    *pixel = out;
-    return DIF_OK;
+    return code == EXR_ERR_SUCCESS ? DIF_OK : dif_exr_fail(exr, code, "EXR attributes", err);
 }

@@ -1,4 +1,4 @@
-/* OpenEXR files in memory: one channel of floats with attributes, read and written through OpenEXRCore.
+/* OpenEXR files in memory: channels of floats with attributes, read and written through OpenEXRCore.
  * Internal to core/io. Does not: know what pixels and attributes mean, read deep or multi-part files. */
 #ifndef DIF_EXR_IO_H
 #define DIF_EXR_IO_H
@@ -36,6 +36,23 @@ bool dif_exr_number(const dif_exr *exr, const char *name, double *value);
 DIF_MUST_USE dif_status dif_exr_read_channel(dif_exr *exr, const char *name, float **pixel,
                                              char found[DIF_EXR_CHANNEL_SIZE], dif_error *err);
 
+/* Channels, sorted by name as in the file. A name is valid until dif_exr_close. */
+int dif_exr_n_channel(const dif_exr *exr);
+const char *dif_exr_channel_name(const dif_exr *exr, int i);
+
+/* Where a channel goes: sample ix of row iy to pixel[(iy*nx + ix) * stride], stride >= 1 in floats. */
+typedef struct dif_exr_target {
+    const char *name;
+    float *pixel; /* not owned */
+    int stride;
+} dif_exr_target;
+
+/* Checks that all pixels are in the file, before memory is asked for. Status DIF_ERR_FORMAT. */
+DIF_MUST_USE dif_status dif_exr_check_pixels(dif_exr *exr, dif_error *err);
+
+/* Reads n named channels in one pass. Status as dif_exr_read_channel. */
+DIF_MUST_USE dif_status dif_exr_read_targets(dif_exr *exr, int n, const dif_exr_target *target, dif_error *err);
+
 /* Sets every string attribute "diffbench.KEY" as KEY, but for the names in skip (NULL-terminated). */
 DIF_MUST_USE dif_status dif_exr_take_manifest(const dif_exr *exr, const char *const *skip, dif_manifest *manifest,
                                               dif_error *err);
@@ -46,16 +63,24 @@ typedef struct dif_exr_attribute {
     double number;
 } dif_exr_attribute;
 
+typedef struct dif_exr_layer {
+    const char *name;   /* no two alike                                                   */
+    const float *pixel; /* sample ix of row iy at pixel[(iy*nx + ix) * stride], not owned */
+    int stride;         /* >= 1, in floats                                                */
+} dif_exr_layer;
+
 typedef struct dif_exr_image {
     int nx, ny;
-    const char *channel;
-    const float *pixel; /* pixel[ny*nx] */
+    const dif_exr_layer *layer; /* layer[n_layer], the channels; any order, the file sorts them */
+    int n_layer;
+    bool is_srgb;  /* R, G, B have sRGB's primaries and white, which the file then says        */
+    bool is_plain; /* no compression: for numbers that ZIP only makes slow                     */
     const dif_exr_attribute *attribute;
     int n_attribute;
     const dif_manifest *manifest; /* becomes "diffbench.KEY", attributes of the same name win; may be NULL */
 } dif_exr_image;
 
-/* The bytes of a ZIP-compressed scanline file, freed with dif_release. Status DIF_ERR_FOREIGN, DIF_ERR_NOMEM. */
+/* The bytes of a scanline file, ZIP-compressed unless it is to be plain, freed with dif_release. Status DIF_ERR_FOREIGN, DIF_ERR_NOMEM. */
 DIF_MUST_USE dif_status dif_exr_encode(const dif_exr_image *image, unsigned char **data, size_t *n, dif_error *err);
 
 /* A heightfield from and to EXR (exr_field.c). */

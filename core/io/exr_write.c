@@ -85,14 +85,27 @@ static exr_result_t put_manifest(exr_context_t context, const dif_exr_image *ima
     return code;
 }
 
+/* Primaries and white of IEC 61966-2-1. */
+static const exr_attr_chromaticities_t SRGB = {.red_x = 0.64f,
+                                               .red_y = 0.33f,
+                                               .green_x = 0.3f,
+                                               .green_y = 0.6f,
+                                               .blue_x = 0.15f,
+                                               .blue_y = 0.06f,
+                                               .white_x = 0.3127f,
+                                               .white_y = 0.329f};
+
 static exr_result_t put_header(exr_context_t context, const dif_exr_image *image)
 {
     int part = 0;
     exr_result_t code = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
     if (code == EXR_ERR_SUCCESS)
-        code = exr_initialize_required_attr_simple(context, part, image->nx, image->ny, EXR_COMPRESSION_ZIP);
-    if (code == EXR_ERR_SUCCESS)
-        code = exr_add_channel(context, part, image->channel, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1);
+        code = exr_initialize_required_attr_simple(context, part, image->nx, image->ny,
+                                                   image->is_plain ? EXR_COMPRESSION_NONE : EXR_COMPRESSION_ZIP);
+    for (int i = 0; i < image->n_layer && code == EXR_ERR_SUCCESS; i++)
+        code = exr_add_channel(context, part, image->layer[i].name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1);
+    if (code == EXR_ERR_SUCCESS && image->is_srgb)
+        code = exr_attr_set_chromaticities(context, part, "chromaticities", &SRGB);
     if (code == EXR_ERR_SUCCESS)
         code = put_attributes(context, image);
     if (code == EXR_ERR_SUCCESS)
@@ -100,14 +113,21 @@ static exr_result_t put_header(exr_context_t context, const dif_exr_image *image
     return code == EXR_ERR_SUCCESS ? exr_write_header(context) : code;
 }
 
-static void aim_channel(const dif_exr_image *image, int y, exr_encode_pipeline_t *encode)
+static void aim_channels(const dif_exr_image *image, int y, exr_encode_pipeline_t *encode)
 {
-    exr_coding_channel_info_t *channel = &encode->channels[0];
-    channel->encode_from_ptr = (const uint8_t *)(image->pixel + (size_t)y * (size_t)image->nx);
-    channel->user_data_type = EXR_PIXEL_FLOAT;
-    channel->user_bytes_per_element = sizeof(float);
-    channel->user_pixel_stride = sizeof(float);
-    channel->user_line_stride = image->nx * (int32_t)sizeof(float);
+    for (int i = 0; i < encode->channel_count; i++) {
+        exr_coding_channel_info_t *channel = &encode->channels[i];
+        const dif_exr_layer *layer = image->layer;
+        while (strcmp(layer->name, channel->channel_name) != 0)
+            layer++;
+        const size_t first = (size_t)y * (size_t)image->nx * (size_t)layer->stride;
+        const int32_t n_byte = layer->stride * (int32_t)sizeof(float);
+        channel->encode_from_ptr = (const uint8_t *)(layer->pixel + first);
+        channel->user_data_type = EXR_PIXEL_FLOAT;
+        channel->user_bytes_per_element = sizeof(float);
+        channel->user_pixel_stride = n_byte;
+        channel->user_line_stride = image->nx * n_byte;
+    }
 }
 
 static exr_result_t put_pixels(exr_context_t context, const dif_exr_image *image)
@@ -125,7 +145,7 @@ static exr_result_t put_pixels(exr_context_t context, const dif_exr_image *image
         if (code != EXR_ERR_SUCCESS)
             break;
         ready = true;
-        aim_channel(image, y, &encode);
+        aim_channels(image, y, &encode);
         code = exr_encoding_choose_default_routines(context, 0, &encode);
         if (code == EXR_ERR_SUCCESS)
             code = exr_encoding_run(context, 0, &encode);
@@ -158,8 +178,9 @@ dif_status dif_exr_encode(const dif_exr_image *image, unsigned char **data, size
 {
     *data = NULL;
     *n = 0;
-    if (image->nx > INT32_MAX / (int)sizeof(float))
-        return dif_fail(err, DIF_ERR_SIZE, "EXR lines of %d samples", image->nx);
+    for (int i = 0; i < image->n_layer; i++)
+        if (image->nx > INT32_MAX / (int)sizeof(float) / image->layer[i].stride)
+            return dif_fail(err, DIF_ERR_SIZE, "EXR lines of %d samples", image->nx);
     memory_file file = {0};
     const exr_result_t code = write_image(image, &file);
     if (code != EXR_ERR_SUCCESS) {

@@ -60,8 +60,14 @@ dif_status dif_table_exr_encode(const dif_table *table, const dif_manifest *mani
         {ATTRIBUTE("angle_deg"), angles, 0.0},
         {ATTRIBUTE("lambda_nm"), lambdas, 0.0},
     };
-    const dif_exr_image image = {
-        plan->n_angle, plan->n_lambda, quantity, pixel, attributes, sizeof attributes / sizeof *attributes, manifest};
+    const dif_exr_layer layer = {quantity, pixel, 1};
+    const dif_exr_image image = {.nx = plan->n_angle,
+                                 .ny = plan->n_lambda,
+                                 .layer = &layer,
+                                 .n_layer = 1,
+                                 .attribute = attributes,
+                                 .n_attribute = sizeof attributes / sizeof *attributes,
+                                 .manifest = manifest};
     status = dif_exr_encode(&image, data, n, err);
 cleanup:
     dif_release(angles);
