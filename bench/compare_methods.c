@@ -198,6 +198,25 @@ static void note_error(const dif_compare_job *j, const dif_table *table, dif_com
     row->error_rms = sqrt(sum / j->how.n_check);
 }
 
+/* Maxima of the table, for pq of one with enough replicas that a finite grating's shift is not seen. */
+static dif_status find_argmax(const dif_compare_job *j, const dif_measure_opts *opts, const dif_table *table,
+                              dif_compare_row *row, dif_error *err)
+{
+    if (opts->method != DIF_METHOD_PQ || opts->n_replica != DIF_REPLICAS_FROM_WINDOW) {
+        note_argmax(j, opts, table, row);
+        return DIF_OK;
+    }
+    dif_measure_opts many = *opts;
+    dif_table longer;
+    many.n_replica = MANY_REPLICAS;
+    const dif_status status = dif_measure_table(j->field, j->plan, j->tol, &many, &longer, NULL, err);
+    if (status != DIF_OK)
+        return status;
+    note_argmax(j, &many, &longer, row);
+    dif_table_free(&longer);
+    return DIF_OK;
+}
+
 static void run_row(const dif_compare_job *j, const variant *v, dif_compare_row *row)
 {
     dif_measure_opts opts = *j->opts;
@@ -209,21 +228,19 @@ static void run_row(const dif_compare_job *j, const variant *v, dif_compare_row 
     opts.nmm_jacobian = !v->no_jacobian;
     opts.quantity = DIF_QUANTITY_POWER;
     opts.progress = NULL;
-    if (v->method == DIF_METHOD_PQ && opts.n_replica == DIF_REPLICAS_FROM_WINDOW)
-        opts.n_replica = MANY_REPLICAS;
     row->status = dif_measure_table(j->field, j->plan, j->tol, &opts, &table, &stats, &err);
     if (row->status == DIF_OK) {
         row->bound = stats.bound;
         row->build_s = stats.build_wall_s;
         row->eval_s = stats.eval_wall_s;
         row->cpu_s = stats.build_cpu_s + stats.eval_cpu_s;
-        note_argmax(j, &opts, &table, row);
         note_error(j, &table, row);
         if (j->how.fit)
             note_fit(j, &opts, &table, row);
-        opts.n_replica = j->opts->n_replica;
-        row->status = dif_compare_colours(j, &opts, row, &err);
+        row->status = find_argmax(j, &opts, &table, row, &err);
     }
+    if (row->status == DIF_OK)
+        row->status = dif_compare_colours(j, &opts, row, &err);
     if (row->status != DIF_OK)
         memcpy(row->text, err.text, sizeof row->text);
     dif_table_free(&table);

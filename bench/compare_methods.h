@@ -55,8 +55,8 @@ typedef struct dif_compare {
  * and stam.
  *
  * The colours of thesis and stam, whose brightness means nothing, are first scaled to full sampling's mean luminance
- * away from the mirror direction. Unless n_replica says otherwise, pq's table has 500 replicas, so that the finite
- * grating's shift of its maxima (1/N^2) is below 0.05 nm, and its colours as many as fill the window.
+ * away from the mirror direction. Unless n_replica says otherwise, pq's maxima come from 500 replicas, so
+ * that a finite grating's shift (1/N^2) is below 0.05 nm; all else of it from as many as fill the window.
  * Full sampling is the sheet at colour_step_nm; its own row has zero difference.
  *
  * Given     plan  for tables, maxima and fits

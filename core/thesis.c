@@ -277,7 +277,7 @@ static void read_point(const dif_thesis *thesis, dif_vec3 kappa, const double *f
             const double w = exp(-0.5 * (dx * dx + dy * dy));
             const size_t bin = (size_t)qy * (size_t)thesis->x.n + (size_t)qx;
             const double *coef = thesis->coef + bin * 2 * (size_t)thesis->n_term;
-            double sum[2];
+            double sum[2] = {0.0, 0.0};
             (thesis->single ? sum_single : sum_double)(coef, factor, thesis->n_term, sum);
             amp[0] += w * sum[0];
             amp[1] += w * sum[1];

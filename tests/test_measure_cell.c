@@ -106,6 +106,33 @@ static void test_pq__answers_with_the_period_it_is_given(void **state)
     dif_field_free(&field);
 }
 
+static void test_pq__finds_its_period_in_the_heights(void **state)
+{
+    (void)state;
+    dif_surface surface = dif_surface_default(DIF_SURFACE_BLAZED);
+    dif_measure_opts opts = dif_measure_opts_default();
+    dif_field field, flat;
+    double mean_nm, sd_nm;
+    surface.ny = 32;
+    assert_int_equal(dif_surface_make(&surface, &field, NULL), DIF_OK);
+    assert_int_equal(dif_measure_find_period(&field, &opts, NULL), DIF_OK);
+    assert_near(opts.period_um, 2.5, 0.0, 5e-5);
+    assert_near(sin(opts.psi_rad), 0.0, 0.0, 1e-3);
+    opts.method = DIF_METHOD_PQ;
+    opts.n_replica = 500;
+    test_first_order(&field, &opts, 0.0, "-55:-40:0.01", &mean_nm, &sd_nm);
+    print_message("blazed, period found in its heights: %.3f nm, replicated 500 times: %.3f nm\n",
+                  dif_nm_from_um(opts.period_um), mean_nm);
+    assert_near(mean_nm, 2500.0, 0.0, 0.06); /* 0.045 of the fit and 0.01 of the angular grid */
+    dif_field_free(&field);
+    /* what has no period keeps none */
+    opts = dif_measure_opts_default();
+    assert_int_equal(dif_field_create(64, 64, 0.1, 0.1, &flat, NULL), DIF_OK);
+    assert_int_equal(dif_measure_find_period(&flat, &opts, NULL), DIF_ERR_FIT);
+    assert_true(isnan(opts.period_um));
+    dif_field_free(&flat);
+}
+
 static void test_pq__bad_periods_have_their_codes(void **state)
 {
     (void)state;
@@ -153,6 +180,7 @@ int main(void)
         cmocka_unit_test(test_pq__equals_the_direct_sum_of_its_replicas),
         cmocka_unit_test(test_pq__lands_on_the_grating_equation),
         cmocka_unit_test(test_pq__answers_with_the_period_it_is_given),
+        cmocka_unit_test(test_pq__finds_its_period_in_the_heights),
         cmocka_unit_test(test_pq__bad_periods_have_their_codes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
