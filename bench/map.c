@@ -25,8 +25,10 @@ typedef struct map_job {
     double (*weight)[3]; /* of each wavelength, for XYZ                                     */
     double *cosine;      /* wi.z + wo.z of each pixel, -1 outside the disc                  */
     float *gain;         /* of each pixel: quantity / power (at 1 um for the BRDF)          */
-    float *sums;         /* sums[n_thread][n_pixel^2][3]                                    */
-    int n_thread;
+    double *sums;        /* sums[n_pixel^2][3], by all threads                              */
+    double round_at;     /* see rounded()                                                   */
+    omp_lock_t *row;     /* row[n_row], one a row of pixels                                 */
+    int n_row;           /* locks that are ready                                            */
     dif_map *map;
 } map_job;
 
@@ -91,29 +93,58 @@ static void fill_pixels(const map_job *job, double area_um2)
         }
 }
 
+static double unit_of(const map_job *job, int il)
+{
+    const double lambda_um = job->plan->lambda_um[il];
+    return job->opts->quantity == DIF_QUANTITY_BRDF ? 1.0 / (lambda_um * lambda_um) : 1.0;
+}
+
+/* Threads add to a pixel in any order, so sums must not depend on it: every term is first rounded to a multiple of one
+ * quantum, and sums of multiples are exact as long as they stay below 2^52 of them. Adding a large number does the
+ * rounding: this one is 3 * 2^q, of which 2^q is above all terms of a pixel together; the quantum is 2^(q - 51). */
+static double round_at(const map_job *job)
+{
+    double sum = 0.0;
+    for (int il = 0; il < job->plan->n_lambda; il++)
+        sum += unit_of(job, il) * fmax(job->weight[il][0], fmax(job->weight[il][1], job->weight[il][2]));
+    return 3.0 * exp2(ceil(log2(sum)));
+}
+
+static double rounded(double value, double at)
+{
+    return (value + at) - at;
+}
+
 static dif_status job_make(map_job *job, double area_um2, dif_error *err)
 {
     const dif_map_plan *plan = job->plan;
     const size_t n = pixels_of(job);
-    job->n_thread = omp_get_max_threads();
     job->weight = dif_alloc((size_t)plan->n_lambda, sizeof *job->weight);
     job->cosine = dif_alloc(n, sizeof *job->cosine);
     job->gain = dif_alloc(n, sizeof *job->gain);
-    job->sums = dif_alloc(3 * n * (size_t)job->n_thread, sizeof *job->sums);
+    job->sums = dif_alloc(3 * n, sizeof *job->sums);
+    job->row = dif_alloc((size_t)plan->n_pixel, sizeof *job->row);
     job->map->xyz = dif_alloc(3 * n, sizeof *job->map->xyz);
     if (plan->keep_layers)
         job->map->layer = dif_alloc(n, (size_t)plan->n_lambda * sizeof *job->map->layer);
-    if (!job->weight || !job->cosine || !job->gain || !job->sums || !job->map->xyz ||
+    if (!job->weight || !job->cosine || !job->gain || !job->sums || !job->row || !job->map->xyz ||
         (plan->keep_layers && !job->map->layer))
         return dif_fail(err, DIF_ERR_NOMEM, "no memory for a map of %d pixels across", plan->n_pixel);
     job->map->n_pixel = plan->n_pixel;
     job->map->n_lambda = plan->n_lambda;
+    for (; job->n_row < plan->n_pixel; job->n_row++)
+        omp_init_lock(job->row + job->n_row);
     fill_pixels(job, area_um2);
-    return dif_spectrum_weights(plan->n_lambda, plan->lambda_um, job->weight, err);
+    const dif_status status = dif_spectrum_weights(plan->n_lambda, plan->lambda_um, job->weight, err);
+    job->round_at = status == DIF_OK ? round_at(job) : 0.0;
+    return status;
 }
 
 static void job_free(map_job *job)
 {
+    while (job->n_row > 0)
+        omp_destroy_lock(job->row + --job->n_row);
+    dif_release(job->row);
     dif_release(job->weight);
     dif_release(job->cosine);
     dif_release(job->gain);
@@ -136,17 +167,19 @@ static void pixel_range(int n, double k, double fixed, int sign, double low, dou
     *end = (int)fmin(fmax(b, *first), n);
 }
 
-/* Adds the powers of n neighbouring pixels at one wavelength to their sums and layers. */
-static void add_row(const map_job *job, double share, int il, size_t first, int n, const float *power, float *sums)
+/* Adds the powers of n neighbouring pixels of row iy, from ix on, at one wavelength to their sums and layers. */
+static void add_row(const map_job *job, double share, int il, int ix, int iy, int n, const float *power)
 {
-    const double lambda_um = job->plan->lambda_um[il];
-    const double unit = share * (job->opts->quantity == DIF_QUANTITY_BRDF ? 1.0 / (lambda_um * lambda_um) : 1.0);
-    float w[3];
+    const size_t first = (size_t)iy * (size_t)job->plan->n_pixel + (size_t)ix;
+    const double unit = share * unit_of(job, il), at = job->round_at;
+    double *sums = job->sums + 3 * first, w[3];
     for (int c = 0; c < 3; c++)
-        w[c] = (float)(unit * job->weight[il][c]);
+        w[c] = unit * job->weight[il][c];
+    omp_set_lock(job->row + iy);
     for (size_t i = 0; i < (size_t)n; i++)
         for (size_t c = 0; c < 3; c++)
-            sums[3 * (first + i) + c] += w[c] * power[i];
+            sums[3 * i + c] += rounded(w[c] * (double)power[i], at);
+    omp_unset_lock(job->row + iy);
     if (!job->map->layer)
         return;
     float *layer = job->map->layer + (size_t)il * pixels_of(job) + first;
@@ -156,7 +189,7 @@ static void add_row(const map_job *job, double share, int il, size_t first, int 
 
 /* One block of pixels at one wavelength. */
 static void add_block(const map_job *job, const dif_sheet *sheet, double share, int il, int ix0, int nx, int iy0,
-                      int ny, float *sums)
+                      int ny)
 {
     const dif_map_plan *plan = job->plan;
     const int n = plan->n_pixel;
@@ -172,12 +205,11 @@ static void add_block(const map_job *job, const dif_sheet *sheet, double share, 
     }
     dif_response_volume_grid(sheet, nx, kx, ny, ky, kz, DIF_RESPONSE_GRID, power, DIF_RESPONSE_GRID);
     for (int j = 0; j < ny; j++)
-        add_row(job, share, il, (size_t)(iy0 + j) * (size_t)n + (size_t)ix0, nx, power + j * DIF_RESPONSE_GRID, sums);
+        add_row(job, share, il, ix0, iy0 + j, nx, power + j * DIF_RESPONSE_GRID);
 }
 
 /* All wavelengths' pixels of one tile of frequency space. */
-static void add_tile(const map_job *job, const dif_sheet *sheet, double share, double kx0, double ky0, double side,
-                     float *sums)
+static void add_tile(const map_job *job, const dif_sheet *sheet, double share, double kx0, double ky0, double side)
 {
     const dif_map_plan *plan = job->plan;
     for (int il = 0; il < plan->n_lambda; il++) {
@@ -189,7 +221,7 @@ static void add_tile(const map_job *job, const dif_sheet *sheet, double share, d
             for (int x = ix0; x < ix1; x += DIF_RESPONSE_GRID) {
                 const int nx = ix1 - x < DIF_RESPONSE_GRID ? ix1 - x : DIF_RESPONSE_GRID;
                 const int ny = iy1 - y < DIF_RESPONSE_GRID ? iy1 - y : DIF_RESPONSE_GRID;
-                add_block(job, sheet, share, il, x, nx, y, ny, sums);
+                add_block(job, sheet, share, il, x, nx, y, ny);
             }
     }
 }
@@ -201,16 +233,19 @@ static dif_band band_of(const dif_map_plan *plan)
                       k_max * (1.0 + plan->fixed.z)};
 }
 
-static void add_sheet(const map_job *job, const dif_sheet *sheet, double share)
+/* All tiles of one window's sheet; `done` and `span`: where it stands in the whole measurement. */
+static void add_sheet(const map_job *job, const dif_sheet *sheet, double share, double done, double span)
 {
     /* A tile's side in frequency; its sheet has bins of about this spacing. */
     const dif_band band = band_of(job->plan);
     const double reach = band.k_lateral_max_rad_per_um, side = 2.0 * reach * TILE / dif_sheet_info_of(sheet).n_bin_x;
-    const int n_side = (int)ceil(2.0 * reach / side) + 1;
-#pragma omp parallel for schedule(dynamic) num_threads(job->n_thread)
-    for (int tile = 0; tile < n_side * n_side; tile++) {
+    const int n_side = (int)ceil(2.0 * reach / side) + 1, n_tile = n_side * n_side;
+#pragma omp parallel for schedule(dynamic)
+    for (int tile = 0; tile < n_tile; tile++) {
         const double kx0 = -reach + side * (tile / n_side - 0.5), ky0 = -reach + side * (tile % n_side - 0.5);
-        add_tile(job, sheet, share, kx0, ky0, side, job->sums + 3 * pixels_of(job) * (size_t)omp_get_thread_num());
+        add_tile(job, sheet, share, kx0, ky0, side);
+        if (omp_get_thread_num() == 0) /* the calling one; tiles come in order */
+            dif_measure_progress(job->opts, done + span * tile / n_tile);
     }
 }
 
@@ -226,7 +261,7 @@ static dif_status map_by_sheet(const map_job *job, const dif_field *field, doubl
             return status;
         dif_measure_note_sheet(stats, sheet);
         dif_stopwatch_lap(&watch, &stats->build_wall_s, &stats->build_cpu_s);
-        add_sheet(job, sheet, set->share[i]);
+        add_sheet(job, sheet, set->share[i], (i + 0.2) / set->n, 0.8 / set->n);
         dif_stopwatch_lap(&watch, &stats->eval_wall_s, &stats->eval_cpu_s);
         dif_sheet_free(sheet);
         dif_measure_progress(job->opts, (i + 1.0) / set->n);
@@ -234,17 +269,13 @@ static dif_status map_by_sheet(const map_job *job, const dif_field *field, doubl
     return DIF_OK;
 }
 
-/* Adds up the threads' sums and applies the gains. */
+/* Applies the gains. */
 static void finish(const map_job *job)
 {
     const size_t n = pixels_of(job);
     for (size_t at = 0; at < n; at++)
-        for (size_t c = 0; c < 3; c++) {
-            float sum = 0.0f;
-            for (int t = 0; t < job->n_thread; t++)
-                sum += job->sums[3 * (n * (size_t)t + at) + c];
-            job->map->xyz[3 * at + c] = sum * job->gain[at];
-        }
+        for (size_t c = 0; c < 3; c++)
+            job->map->xyz[3 * at + c] = (float)(job->sums[3 * at + c] * (double)job->gain[at]);
 }
 
 /* One row of pixels at one wavelength and window, by the direct sum. */
@@ -269,7 +300,7 @@ static dif_status add_direct_row(const map_job *job, const dif_field *field, con
     for (int i = 0; i < n && status == DIF_OK; i++)
         power[i] = (float)(amp[i][0] * amp[i][0] + amp[i][1] * amp[i][1]);
     if (status == DIF_OK)
-        add_row(job, set->share[window], il, (size_t)iy * (size_t)plan->n_pixel + (size_t)first, n, power, job->sums);
+        add_row(job, set->share[window], il, first, iy, n, power);
     return status;
 }
 

@@ -46,7 +46,7 @@ static void add_row(const pass *p, int iy, int il)
         for (int i = 0; i < count; i++) {
             const double power = unit * (amp[i][0] * amp[i][0] + amp[i][1] * amp[i][1]);
             for (size_t c = 0; c < 3; c++)
-                p->to->sums[3 * at[i] + c] += (float)(p->to->weight[il][c] * power);
+                p->to->sums[3 * at[i] + c] += p->to->weight[il][c] * power;
             if (p->to->layer)
                 p->to->layer[(size_t)il * n + at[i]] += p->to->gain[at[i]] * (float)power;
         }
@@ -66,7 +66,7 @@ static void add_row_nmm(const pass *p, int iy)
         dif_reader_add_nmm(p->reader, p->scale, uvw, p->to->per_lambda2, p->share, p->lambda_um + room,
                            p->weight + room, xyz);
         for (size_t c = 0; c < 3; c++)
-            p->to->sums[3 * ((size_t)iy * (size_t)plan->n_pixel + (size_t)ix) + c] += (float)xyz[c];
+            p->to->sums[3 * ((size_t)iy * (size_t)plan->n_pixel + (size_t)ix) + c] += xyz[c];
     }
 }
 

@@ -11,7 +11,7 @@ typedef struct dif_map_sums {
     const double (*weight)[3]; /* weight[n_lambda], for XYZ                              */
     const float *gain;         /* gain[n_pixel^2]: quantity / power (at 1 um for the BRDF) */
     bool per_lambda2;          /* the quantity is the BRDF                               */
-    float *sums;               /* sums[n_pixel^2][3], without the gain                   */
+    double *sums;              /* sums[n_pixel^2][3], without the gain                   */
     float *layer;              /* layer[n_lambda][n_pixel^2], with it, or NULL           */
 } dif_map_sums;
 
