@@ -6,6 +6,10 @@
 
 #include "bench/measure.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { DIF_MAP_PIXEL_MIN = 16, DIF_MAP_PIXEL_MAX = 4096 };
 
 typedef struct dif_map_plan {
@@ -40,4 +44,7 @@ void dif_map_free(dif_map *map);
 /* The direction that pixel (ix, iy) looks along; false outside the disc. */
 bool dif_map_direction(int n_pixel, int ix, int iy, dif_vec3 *out);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -3,12 +3,12 @@
 # Every header of core, core/io, fixtures and bench is public or internal; tests/audit holds this list to the tree.
 set(DIF_PUBLIC_HEADERS
     core/alloc.h core/brdf.h core/colour.h core/conventions.h core/direct.h core/domain.h core/fft.h core/field.h
-    core/fresnel.h core/grating.h core/kernel.h core/nmm.h core/plan.h core/replica.h core/response.h core/series.h
-    core/sheet.h core/spectrum.h
-    core/stam.h core/status.h core/thesis.h core/units.h core/vec.h core/window.h
+    core/fresnel.h core/grating.h core/kernel.h core/lut.h core/nmm.h core/plan.h core/replica.h core/response.h
+    core/series.h core/sheet.h core/spectrum.h core/stam.h core/status.h core/thesis.h core/units.h core/vec.h
+    core/window.h
     core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/manifest.h core/io/table_io.h
     fixtures/surfaces.h
-    bench/compare_methods.h bench/energy.h bench/fit.h bench/maxima.h bench/measure.h bench/scan.h)
+    bench/compare_methods.h bench/energy.h bench/fit.h bench/map.h bench/maxima.h bench/measure.h bench/scan.h)
 
 add_library(dif_shared SHARED $<TARGET_OBJECTS:dif_core> $<TARGET_OBJECTS:dif_io> $<TARGET_OBJECTS:dif_fixtures>
             $<TARGET_OBJECTS:dif_bench>)
