@@ -108,6 +108,8 @@ static dif_status measure(const dif_cli *cli, const eval_args *args, eval_run *r
     status = dif_measure_queries(&run->file.field, run->n, run->query, args->measure.tol, &run->opts, run->sample,
                                  &run->stats, err);
     dif_progress_end(&progress);
+    run->opts.progress = NULL; /* the bar ends here, the options live on */
+    run->opts.progress_self = NULL;
     return status ? status : dif_cli_manifest_measure(&run->manifest, args->measure.tol, &run->opts, &run->stats, err);
 }
 

@@ -87,6 +87,8 @@ static dif_status measure(const dif_cli *cli, const table_args *args, table_run 
         status = dif_measure_check_table(&run->file.field, &run->table, &run->opts, args->measure.n_check, 1,
                                          &run->check, err);
     dif_progress_end(&progress);
+    run->opts.progress = NULL; /* the bar ends here, the options live on */
+    run->opts.progress_self = NULL;
     return status;
 }
 
