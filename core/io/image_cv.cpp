@@ -1,7 +1,9 @@
 #include "core/io/image_cv.h"
 
 #include <climits>
+#include <cmath>
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
@@ -84,7 +86,93 @@ int colormap_number(const char *name)
     return -1;
 }
 
+// Coordinates of OpenCV's drawing have this many binary places.
+const int SHIFT = 4;
+
+cv::Point fixed_point(double x, double y)
+{
+    return cv::Point(cvRound(std::ldexp(x, SHIFT)), cvRound(std::ldexp(y, SHIFT)));
+}
+
+const int FONT = cv::FONT_HERSHEY_SIMPLEX;
+const double CAPITAL = 21.0; // height of its capitals at scale 1
+
+// Walks over a text, degree signs apart (the font has none); draws it if there is a picture. Returns the width.
+double put_text(cv::Mat *picture, const std::string &text, double x, double y, double scale, const cv::Scalar &colour,
+                int stroke)
+{
+    static const char DEGREE[] = "\xC2\xB0";
+    const double x_begin = x, radius = 0.16 * CAPITAL * scale;
+    for (size_t at = 0; at < text.size();) {
+        const size_t sign = text.find(DEGREE, at);
+        const std::string piece = text.substr(at, sign == std::string::npos ? sign : sign - at);
+        if (picture)
+            cv::putText(*picture, piece, cv::Point(cvRound(x), cvRound(y)), FONT, scale, colour, stroke, cv::LINE_AA);
+        int below = 0;
+        x += cv::getTextSize(piece, FONT, scale, 1, &below).width;
+        if (sign == std::string::npos)
+            break;
+        if (picture)
+            cv::circle(*picture, fixed_point(x + radius, y - CAPITAL * scale + radius),
+                       cvRound(std::ldexp(radius, SHIFT)), colour, stroke, cv::LINE_AA, SHIFT);
+        x += 3.5 * radius;
+        at = sign + sizeof DEGREE - 1;
+    }
+    return x - x_begin;
+}
+
+void draw_text(cv::Mat &picture, const dif_mark &mark, const cv::Scalar &colour, int stroke)
+{
+    double scale = mark.size / CAPITAL;
+    const double width = put_text(nullptr, mark.text, 0.0, 0.0, scale, colour, stroke);
+    const double shrink = mark.width_max > 0.0 && width > mark.width_max ? mark.width_max / width : 1.0;
+    scale *= shrink;
+    put_text(&picture, mark.text, mark.x - mark.anchor_x * width * shrink,
+             mark.y + (1.0 - mark.anchor_y) * CAPITAL * scale, scale, colour, stroke);
+}
+
+void draw_stroke(cv::Mat &picture, const dif_mark &mark, const cv::Scalar &colour, int stroke)
+{
+    if (mark.kind == DIF_MARK_TEXT)
+        draw_text(picture, mark, colour, stroke);
+    else if (mark.kind == DIF_MARK_LINE)
+        cv::line(picture, fixed_point(mark.x, mark.y), fixed_point(mark.x1, mark.y1), colour, stroke, cv::LINE_AA,
+                 SHIFT);
+    else
+        cv::circle(picture, fixed_point(mark.x, mark.y), cvRound(std::ldexp(mark.size, SHIFT)), colour, stroke,
+                   cv::LINE_AA, SHIFT);
+}
+
+bool is_drawable(const dif_mark &mark)
+{
+    const double far = 1e5; // coordinates stay far inside an int
+    const bool placed = std::fabs(mark.x) < far && std::fabs(mark.y) < far;
+    if (!placed || mark.stroke < 1 || mark.stroke > 100)
+        return false;
+    if (mark.kind == DIF_MARK_LINE)
+        return std::fabs(mark.x1) < far && std::fabs(mark.y1) < far;
+    return mark.size > 0.0 && mark.size < far && (mark.kind != DIF_MARK_TEXT || mark.text);
+}
+
 } // namespace
+
+dif_status dif_image_draw(uint8_t *rgb, int nx, int ny, int n, const dif_mark *mark, dif_error *err)
+{
+    return dif_guard(err, [&] {
+        if (!rgb || nx < 1 || ny < 1)
+            return dif_fail(err, DIF_ERR_ARG, "picture of %d x %d pixels", nx, ny);
+        cv::Mat picture(ny, nx, CV_8UC3, rgb);
+        for (int i = 0; i < n; i++) {
+            const dif_mark &m = mark[i];
+            if (!is_drawable(m))
+                return dif_fail(err, DIF_ERR_ARG, "mark %d of a picture is not drawable", i);
+            if (m.halo)
+                draw_stroke(picture, m, cv::Scalar(0, 0, 0), m.stroke + 2);
+            draw_stroke(picture, m, cv::Scalar(m.rgb[0], m.rgb[1], m.rgb[2]), m.stroke);
+        }
+        return DIF_OK;
+    });
+}
 
 dif_status dif_image_decode(const unsigned char *data, size_t n, dif_image *out, dif_error *err)
 {

@@ -1,8 +1,9 @@
-/* Images through OpenCV: grey images in (8 and 16 bit), pictures out, resampling for pictures.
+/* Images through OpenCV: grey images in (8 and 16 bit), pictures out, resampling and drawing for pictures.
  * Does not: heights or scales (field_io does). */
 #ifndef DIF_IMAGE_CV_H
 #define DIF_IMAGE_CV_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -30,6 +31,25 @@ DIF_MUST_USE dif_status dif_image_encode_png(const uint8_t *rgb, int nx, int ny,
 
 /* Area-averaging reduction of a float image src[ny*nx] to dst[my*mx] (mx <= nx, my <= ny); linear if larger. */
 DIF_MUST_USE dif_status dif_image_resize(const float *src, int nx, int ny, float *dst, int mx, int my, dif_error *err);
+
+/* Something drawn on a picture, smooth at its edges. Centres of pixels are whole numbers, y runs down. */
+typedef enum dif_mark_kind { DIF_MARK_LINE, DIF_MARK_CIRCLE, DIF_MARK_TEXT } dif_mark_kind;
+
+typedef struct dif_mark {
+    dif_mark_kind kind;
+    double x, y;               /* a line's beginning, a circle's centre, the place of a text            */
+    double x1, y1;             /* line: its end                                                         */
+    double size;               /* circle: radius; text: height of a capital; > 0                        */
+    double anchor_x, anchor_y; /* text: share of it that lies left of and above its place, 0 ... 1      */
+    double width_max;          /* text: shrinks to this width; 0 = any                                  */
+    int stroke;                /* pixels, >= 1                                                          */
+    uint8_t rgb[3];
+    bool halo;        /* a dark rim, for light marks on a light ground                         */
+    const char *text; /* ASCII, and the degree sign in UTF-8                                   */
+} dif_mark;
+
+/* Draws n marks on rgb[ny*nx*3]; what lies outside is cut off. Status DIF_ERR_ARG, DIF_ERR_FOREIGN, DIF_ERR_NOMEM. */
+DIF_MUST_USE dif_status dif_image_draw(uint8_t *rgb, int nx, int ny, int n, const dif_mark *mark, dif_error *err);
 
 #ifdef __cplusplus
 }

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/alloc.h"
+
 static const unsigned char PNG_MAGIC[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 enum { PNG_OVERHEAD = 12, PNG_HEAD = 13, BMP_HEAD_MIN = 26 };
 
@@ -100,6 +102,56 @@ static dif_status read_png(const unsigned char *data, size_t n, dif_image_head *
             return has_pixels ? DIF_OK : dif_fail(err, DIF_ERR_FORMAT, "PNG without pixels");
     }
     return dif_fail(err, DIF_ERR_FORMAT, "PNG of %zu bytes ends before its end chunk (truncated?)", n);
+}
+
+static unsigned char *put_big32(unsigned char *to, uint32_t value)
+{
+    for (int i = 0; i < 4; i++)
+        to[i] = (unsigned char)(value >> (24 - 8 * i));
+    return to + 4;
+}
+
+/* Puts a chunk of up to three pieces; returns where the next one begins. */
+static unsigned char *put_chunk(unsigned char *to, const char *type, const char *const piece[3], const size_t n[3])
+{
+    unsigned char *at = put_big32(to, (uint32_t)(n[0] + n[1] + n[2]));
+    memcpy(at, type, 4);
+    at += 4;
+    for (int i = 0; i < 3; i++) {
+        if (n[i])
+            memcpy(at, piece[i], n[i]);
+        at += n[i];
+    }
+    return put_big32(at, crc32(to + 4, (size_t)(at - to) - 4));
+}
+
+dif_status dif_png_add_texts(const dif_manifest *manifest, unsigned char **png, size_t *n, dif_error *err)
+{
+    static const char PREFIX[] = "diffbench."; /* keywords have at most 79 bytes */
+    enum { KEY_MAX = 79 - (int)sizeof PREFIX + 1, BETWEEN = 5 };
+    const size_t n_head = sizeof PNG_MAGIC + PNG_HEAD + PNG_OVERHEAD;
+    size_t n_more = PNG_OVERHEAD + 1;
+    for (int i = 0; i < manifest->n; i++)
+        n_more +=
+            PNG_OVERHEAD + sizeof PREFIX + strlen(manifest->item[i].key) + BETWEEN + strlen(manifest->item[i].value);
+    unsigned char *out = dif_alloc(*n + n_more, 1);
+    if (!out)
+        return dif_fail(err, DIF_ERR_NOMEM, "PNG of %zu bytes", *n + n_more);
+    memcpy(out, *png, n_head);
+    /* sRGB, perceptual */
+    unsigned char *at = put_chunk(out + n_head, "sRGB", (const char *[3]){"", NULL, NULL}, (const size_t[3]){1, 0, 0});
+    for (int i = 0; i < manifest->n; i++) {
+        char key[128];
+        const int n_key = snprintf(key, sizeof key, "%s%.*s", PREFIX, KEY_MAX, manifest->item[i].key);
+        /* keyword NUL, not compressed, no method, no language NUL, no translation NUL, text in UTF-8 */
+        at = put_chunk(at, "iTXt", (const char *[3]){key, "\0\0\0\0", manifest->item[i].value},
+                       (const size_t[3]){(size_t)n_key, BETWEEN, strlen(manifest->item[i].value)});
+    }
+    memcpy(at, *png + n_head, *n - n_head);
+    *n = (size_t)(at - out) + *n - n_head;
+    dif_release(*png);
+    *png = out;
+    return DIF_OK;
 }
 
 bool dif_png_text(const unsigned char *data, size_t n, const char *key, char *text, size_t size)

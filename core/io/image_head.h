@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "core/status.h"
+#include "core/io/manifest.h"
 
 typedef struct dif_image_head {
     long long nx, ny;
@@ -21,6 +21,10 @@ DIF_MUST_USE dif_status dif_image_head_read(const unsigned char *data, size_t n,
 
 /* The text of a PNG's tEXt chunk with this key (checked file); copies at most size - 1 bytes. False if there is none. */
 bool dif_png_text(const unsigned char *data, size_t n, const char *key, char *text, size_t size);
+
+/* Puts texts "diffbench.KEY" (iTXt) and the mark of sRGB into a PNG that dif_image_encode_png made; *png is replaced.
+ * Status DIF_ERR_NOMEM, *png and *n as they were then. */
+DIF_MUST_USE dif_status dif_png_add_texts(const dif_manifest *manifest, unsigned char **png, size_t *n, dif_error *err);
 
 /* The two parts, by format (image_tiff.c). */
 DIF_MUST_USE dif_status dif_tiff_head_read(const unsigned char *data, size_t n, dif_image_head *out, dif_error *err);

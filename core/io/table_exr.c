@@ -11,8 +11,7 @@
 #define ATTRIBUTE(key) DIF_EXR_PREFIX key
 enum { KEY_SIZE = 64 };
 
-/* The axis as numbers with blanks between them; NULL without memory. */
-static char *print_axis(const double *axis, int n, size_t (*print)(double, char[DIF_NUMBER_SIZE]))
+char *dif_axis_print(const double *axis, int n, size_t (*print)(double, char[DIF_NUMBER_SIZE]))
 {
     char *text = dif_alloc((size_t)n, DIF_NUMBER_SIZE);
     size_t at = 0;
@@ -38,8 +37,8 @@ dif_status dif_table_exr_encode(const dif_table *table, const dif_manifest *mani
 {
     const dif_plan *plan = &table->plan;
     *data = NULL;
-    char *angles = print_axis(plan->angle_rad, plan->n_angle, dif_table_print_deg);
-    char *lambdas = print_axis(plan->lambda_um, plan->n_lambda, dif_table_print_nm);
+    char *angles = dif_axis_print(plan->angle_rad, plan->n_angle, dif_table_print_deg);
+    char *lambdas = dif_axis_print(plan->lambda_um, plan->n_lambda, dif_table_print_nm);
     float *pixel = to_float(table);
     dif_status status = DIF_OK;
     if (!angles || !lambdas || !pixel) {
@@ -83,13 +82,12 @@ static const char *look_up(void *self, const char *key)
     return dif_exr_text(self, name);
 }
 
-/* Reads an axis attribute into axis[n], converted. */
-static dif_status read_axis(const dif_source *source, const dif_exr *exr, const char *name, int n,
-                            double (*convert)(double), double *axis, dif_error *err)
+dif_status dif_axis_read(const dif_source *source, const dif_exr *exr, const char *name, int n,
+                         double (*convert)(double), double *axis, dif_error *err)
 {
     const char *text = dif_exr_text(exr, name);
     if (!text)
-        return dif_fail(err, DIF_ERR_FORMAT, "%s: no attribute %s: not a table of diffbench", source->name, name);
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: no attribute %s: not written by diffbench", source->name, name);
     const char *end = text + strlen(text);
     int i = 0;
     for (; i < n; i++) {
@@ -116,10 +114,10 @@ static dif_status read_plan(const dif_source *source, dif_exr *exr, const dif_ta
     plan->fixed_rad = dif_rad_from_deg(said->fixed_deg);
     plan->azimuth_rad = dif_rad_from_deg(said->azimuth_deg);
     const dif_status status =
-        read_axis(source, exr, ATTRIBUTE("angle_deg"), plan->n_angle, dif_rad_from_deg, plan->angle_rad, err);
+        dif_axis_read(source, exr, ATTRIBUTE("angle_deg"), plan->n_angle, dif_rad_from_deg, plan->angle_rad, err);
     if (status)
         return status;
-    return read_axis(source, exr, ATTRIBUTE("lambda_nm"), plan->n_lambda, dif_um_from_nm, plan->lambda_um, err);
+    return dif_axis_read(source, exr, ATTRIBUTE("lambda_nm"), plan->n_lambda, dif_um_from_nm, plan->lambda_um, err);
 }
 
 /* Reads the geometry first: a picture that is no table is refused before its pixels are decoded. */

@@ -28,6 +28,14 @@ DIF_MUST_USE dif_status dif_table_geometry_read(const dif_source *source, const 
 size_t dif_table_print_deg(double angle_rad, char out[DIF_NUMBER_SIZE]);
 size_t dif_table_print_nm(double lambda_um, char out[DIF_NUMBER_SIZE]);
 
+/* An axis as numbers with blanks between them, to be released; NULL without memory. */
+char *dif_axis_print(const double *axis, int n, size_t (*print)(double, char[DIF_NUMBER_SIZE]));
+
+/* Reads such an attribute into axis[n], converted. Status DIF_ERR_FORMAT: none, no numbers, not n of them. */
+struct dif_exr;
+DIF_MUST_USE dif_status dif_axis_read(const dif_source *source, const struct dif_exr *exr, const char *name, int n,
+                                      double (*convert)(double), double *axis, dif_error *err);
+
 /* Brings both axes into rising order. Status DIF_ERR_FORMAT if one has a value twice, DIF_ERR_NOMEM. */
 DIF_MUST_USE dif_status dif_table_sort(const dif_source *source, dif_table *table, dif_error *err);
 
