@@ -44,6 +44,21 @@ void dif_map_free(dif_map *map);
 /* The direction that pixel (ix, iy) looks along; false outside the disc. */
 bool dif_map_direction(int n_pixel, int ix, int iy, dif_vec3 *out);
 
+/* A measured map with layers against the direct sum of the surface, whatever the method. */
+typedef struct dif_map_check {
+    int n_sample;
+    double worst_amplitude; /* largest | |P| - |P_direct| | / sum W    */
+    dif_vec3 worst_at;      /* where: the direction that the map shows */
+    double worst_lambda_um;
+    double worst_value, worst_direct; /* both values, in the map's quantity      */
+    double direct_s_per_sample;       /* wall seconds                            */
+} dif_map_check;
+
+/* Compares n random pixels inside the disc, each at a random wavelength (seeded). Status DIF_ERR_ARG: no layers, n < 1. */
+DIF_MUST_USE dif_status dif_map_check_layers(const dif_field *field, const dif_map_plan *plan, const dif_map *map,
+                                             const dif_measure_opts *opts, int n, unsigned seed, dif_map_check *out,
+                                             dif_error *err);
+
 #ifdef __cplusplus
 }
 #endif

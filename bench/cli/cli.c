@@ -62,7 +62,7 @@ void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quant
     const dif_opt opts[] = {
         {"Measurement", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
         {"tol", DIF_OPT_REAL, &measure->tol, "[1e-14, 1)", "TOL",
-         "wanted amplitude error, relative to the largest possible amplitude (default 1e-6)", NULL},
+         "wanted amplitude error, relative to the largest possible amplitude (default 1e-6; map and lut: 1e-4)", NULL},
         {"method", DIF_OPT_CHOICE, &measure->method, "sheet|taylor|direct", NULL,
          "sheet: fast and exact to --tol (default); taylor: power series; direct: plain sum, slow", NULL},
         {"terms", DIF_OPT_INT, &measure->n_terms, "[1, 200]", "N", "taylor: number of terms (default: from --tol)",

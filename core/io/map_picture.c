@@ -117,7 +117,7 @@ static void add_line(picture *p, double x, double y, double x1, double y1, const
 static dif_mark *add_text(picture *p, double x, double y, const char *text)
 {
     dif_mark *mark = add_mark(p, DIF_MARK_TEXT, x, y, PALE);
-    snprintf(p->text[p->n_text], TEXT_SIZE, "%s", text);
+    snprintf(p->text[p->n_text], TEXT_SIZE, "%.*s", TEXT_SIZE - 1, text);
     mark->text = p->text[p->n_text++];
     mark->size = p->capital;
     mark->anchor_x = mark->anchor_y = 0.5;
