@@ -14,10 +14,10 @@ add_library(dif_shared SHARED $<TARGET_OBJECTS:dif_core> $<TARGET_OBJECTS:dif_io
             $<TARGET_OBJECTS:dif_bench>)
 set_target_properties(dif_shared PROPERTIES OUTPUT_NAME diffbench VERSION ${PROJECT_VERSION}
                       SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} LINKER_LANGUAGE CXX
-                      LINK_DEPENDS ${CMAKE_SOURCE_DIR}/cmake/exports.map)
+                      LINK_DEPENDS ${CMAKE_SOURCE_DIR}/core/cmake/exports.map)
 target_link_libraries(dif_shared PRIVATE dif_flags m OpenMP::OpenMP_C OpenEXR::OpenEXRCore opencv_core opencv_imgproc
                       opencv_imgcodecs Ceres::ceres)
-target_link_options(dif_shared PRIVATE LINKER:--version-script=${CMAKE_SOURCE_DIR}/cmake/exports.map)
+target_link_options(dif_shared PRIVATE LINKER:--version-script=${CMAKE_SOURCE_DIR}/core/cmake/exports.map)
 if(NOT DIF_SANITIZE)
     target_link_options(dif_shared PRIVATE LINKER:--no-undefined)
 endif()
@@ -34,5 +34,5 @@ install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # The pkg-config file finds its prefix from its own place, so that `cmake --install --prefix` and moves work.
 file(RELATIVE_PATH DIF_PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
-configure_file(cmake/diffbench.pc.in diffbench.pc @ONLY)
+configure_file(core/cmake/diffbench.pc.in diffbench.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/diffbench.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
