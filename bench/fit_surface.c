@@ -10,19 +10,15 @@
 #include <string.h>
 
 #include "bench/fit.h"
-#include "bench/fit_ceres.h"
 #include "bench/fit_spectrum.h"
-#include "core/alloc.h"
+#include "bench/fit_wave.h"
 #include "core/units.h"
 
 enum {
     ROWS_MAX = 120000,      /* samples of the whole fit                                     */
     ROWS_BAND = 40000,      /* samples of one band                                          */
     ROWS_CRITERION = 20000, /* samples when the number of harmonics is being found          */
-    HARMONICS_FOUND = 8,    /* the criterion looks no further                               */
-    PARTS = 8,
-    N_PLANE = 3,
-    OWN_MAX = N_PLANE + 2 * DIF_FIT_HARMONIC_MAX
+    PARTS = 8
 };
 
 /* A fit that explains less of the variance than this is no grating. */
@@ -32,197 +28,6 @@ enum {
 dif_fit_surface_opts dif_fit_surface_opts_default(void)
 {
     return (dif_fit_surface_opts){.n_harmonic = 0, .period_start_um = (double)NAN, .n_part = PARTS};
-}
-
-/* Samples of one fit, in the start wave's frame and in units of `length_um` and `height_um`. */
-typedef struct wave_data {
-    int n;
-    double *along, *across, *z;
-    double length_um, height_um;
-    int n_harmonic;
-    bool across_free;
-} wave_data;
-
-/* What one fit found: f in 1/um. */
-typedef struct wave_fit {
-    double f_along, f_across;
-    double covariance[2][2]; /* of f_along, f_across, 1/um^2 */
-    double own[OWN_MAX];
-    double rms_um; /* of the residuals, recomputed */
-    int n_iteration;
-} wave_fit;
-
-static void wave_data_free(wave_data *data)
-{
-    dif_release(data->along);
-    dif_release(data->across);
-    dif_release(data->z);
-}
-
-/* Takes rows iy0 ... iy1-1 and columns ix0 ... ix1-1, thinned evenly to at most n_max samples. */
-static dif_status wave_data_make(const dif_field *field, const int rect[4], double psi_rad, int n_max, wave_data *out,
-                                 dif_error *err)
-{
-    const int ix0 = rect[0], ix1 = rect[1], iy0 = rect[2], iy1 = rect[3];
-    const double n_all = (double)(ix1 - ix0) * (iy1 - iy0), c = cos(psi_rad), s = sin(psi_rad);
-    /* rows are thinned first: neighbours along the fast axis carry the profile */
-    const int step_y = (int)ceil(fmin(n_all / n_max, iy1 - iy0)), step_x = (int)ceil(n_all / step_y / n_max);
-    const int nx = (ix1 - ix0 + step_x - 1) / step_x, ny = (iy1 - iy0 + step_y - 1) / step_y;
-    double sum = 0.0, sum2 = 0.0;
-    *out = (wave_data){.length_um = 0.5 * hypot(field->nx * field->pitch_x_um, field->ny * field->pitch_y_um)};
-    out->along = dif_alloc((size_t)nx * (size_t)ny, sizeof *out->along);
-    out->across = dif_alloc((size_t)nx * (size_t)ny, sizeof *out->across);
-    out->z = dif_alloc((size_t)nx * (size_t)ny, sizeof *out->z);
-    if (!out->along || !out->across || !out->z)
-        return dif_fail(err, DIF_ERR_NOMEM, "no memory for %d x %d samples", nx, ny);
-    for (int iy = iy0; iy < iy1; iy += step_y)
-        for (int ix = ix0; ix < ix1; ix += step_x) {
-            const double x = dif_field_x_um(field, ix), y = dif_field_y_um(field, iy);
-            out->along[out->n] = (c * x + s * y) / out->length_um;
-            out->across[out->n] = (c * y - s * x) / out->length_um;
-            out->z[out->n] = field->z_um[(size_t)iy * (size_t)field->nx + (size_t)ix];
-            sum += out->z[out->n];
-            sum2 += out->z[out->n] * out->z[out->n];
-            out->n++;
-        }
-    out->height_um = sqrt(fmax(sum2 / out->n - (sum / out->n) * (sum / out->n), 0.0));
-    if (!(out->height_um > 0.0))
-        return dif_fail(err, DIF_ERR_FIT, "the surface is flat: no period to fit");
-    for (int i = 0; i < out->n; i++)
-        out->z[i] = (out->z[i] - sum / out->n) / out->height_um;
-    return DIF_OK;
-}
-
-/* Model and Jacobian row of one sample; `shared` is f_along and, if free, f_across, in 1/length. */
-static double wave_row(const wave_data *data, int i, const double *par, double *jacobian)
-{
-    const int n_shared = data->across_free ? 2 : 1;
-    const double *own = par + n_shared;
-    const double x = data->along[i], y = data->across[i];
-    const double phase = DIF_TWO_PI * (par[0] * x + (data->across_free ? par[1] * y : 0.0));
-    const double c1 = cos(phase), s1 = sin(phase);
-    double c = c1, s = s1, value = own[0] + own[1] * x + own[2] * y, slope = 0.0;
-    for (int n = 1; n <= data->n_harmonic; n++) {
-        const double a = own[N_PLANE + 2 * (n - 1)], b = own[N_PLANE + 2 * n - 1];
-        value += a * c + b * s;
-        slope += n * (b * c - a * s);
-        if (jacobian) {
-            jacobian[n_shared + N_PLANE + 2 * (n - 1)] = c;
-            jacobian[n_shared + N_PLANE + 2 * n - 1] = s;
-        }
-        const double next = c * c1 - s * s1;
-        s = s * c1 + c * s1;
-        c = next;
-    }
-    if (jacobian) {
-        jacobian[0] = DIF_TWO_PI * slope * x;
-        if (data->across_free)
-            jacobian[1] = DIF_TWO_PI * slope * y;
-        jacobian[n_shared] = 1.0;
-        jacobian[n_shared + 1] = x;
-        jacobian[n_shared + 2] = y;
-    }
-    return value - data->z[i];
-}
-
-static dif_status wave_eval(void *self, const double *par, double *residual, double *jacobian)
-{
-    const wave_data *data = self;
-    const size_t stride = (size_t)((data->across_free ? 2 : 1) + N_PLANE + 2 * data->n_harmonic);
-    for (int i = 0; i < data->n; i++)
-        residual[i] = wave_row(data, i, par, jacobian ? jacobian + stride * (size_t)i : NULL);
-    return DIF_OK;
-}
-
-/* |sum z exp(-2 pi i f x')|^2 over the samples: what one harmonic at f explains. */
-static double energy_at(const wave_data *data, double f)
-{
-    double re = 0.0, im = 0.0;
-    for (int i = 0; i < data->n; i++) {
-        const double phase = DIF_TWO_PI * f * data->along[i];
-        re += data->z[i] * cos(phase);
-        im += data->z[i] * sin(phase);
-    }
-    return re * re + im * im;
-}
-
-/* The frequency near `f` (in 1/length) of most energy: a scan over one bin each way, then golden sections. */
-static double refine_start(const wave_data *data, double f)
-{
-    const double bin = 0.5, golden = 0.5 * (sqrt(5.0) - 1.0); /* the patch is about two lengths long */
-    double best = f, most = -1.0;
-    for (int i = -8; i <= 8; i++) {
-        const double here = energy_at(data, f + bin * i / 8.0);
-        if (here > most) {
-            most = here;
-            best = f + bin * i / 8.0;
-        }
-    }
-    double low = best - bin / 8.0, high = best + bin / 8.0;
-    for (int i = 0; i < 20; i++) {
-        const double a = high - golden * (high - low), b = low + golden * (high - low);
-        if (energy_at(data, a) > energy_at(data, b))
-            high = b;
-        else
-            low = a;
-    }
-    return 0.5 * (low + high);
-}
-
-/* Fits the wave from f_along, f_across (1/um); linear parts start at zero and are found with the frequency held first. */
-static dif_status wave_fit_solve(wave_data *data, double f_along, double f_across, wave_fit *out, dif_error *err)
-{
-    const int n_shared = data->across_free ? 2 : 1, n_own = N_PLANE + 2 * data->n_harmonic;
-    double par[2 + OWN_MAX] = {f_along * data->length_um}, covariance[4] = {0.0};
-    int *block = dif_alloc((size_t)data->n, sizeof *block);
-    double *residual = dif_alloc((size_t)data->n, sizeof *residual);
-    dif_ls_report report = {0};
-    dif_status status = block && residual ? DIF_OK : dif_fail(err, DIF_ERR_NOMEM, "no memory for %d rows", data->n);
-    if (data->across_free)
-        par[1] = f_across * data->length_um;
-    dif_ls ls = {.n_row = data->n,
-                 .n_shared = n_shared,
-                 .n_block = 1,
-                 .size = &n_own,
-                 .row_block = block,
-                 .par = par,
-                 .stride = n_shared + n_own,
-                 .n_iteration_max = 60,
-                 .hold_shared = true,
-                 .eval = wave_eval,
-                 .self = data};
-    if (status == DIF_OK)
-        status = dif_ls_solve(&ls, NULL, &report, err);
-    ls.hold_shared = false;
-    ls.want_covariance = true;
-    if (status == DIF_OK)
-        status = dif_ls_solve(&ls, covariance, &report, err);
-    if (status == DIF_OK && !report.converged)
-        status = dif_fail(err, DIF_ERR_FIT, "the fit did not converge in %d iterations", report.n_iteration);
-    if (status == DIF_OK && !report.has_covariance)
-        status = dif_fail(err, DIF_ERR_FIT, "the heights do not determine the period");
-    if (status == DIF_OK) {
-        double sum = 0.0;
-        status = wave_eval(data, par, residual, NULL);
-        for (int i = 0; i < data->n; i++)
-            sum += residual[i] * residual[i];
-        const double variance = sum / fmax(data->n - n_shared - n_own, 1.0), per_um = 1.0 / data->length_um;
-        *out = (wave_fit){.f_along = par[0] * per_um,
-                          .f_across = data->across_free ? par[1] * per_um : 0.0,
-                          .rms_um = sqrt(sum / data->n) * data->height_um,
-                          .n_iteration = report.n_iteration};
-        for (int i = 0; i < n_shared; i++)
-            for (int j = 0; j < n_shared; j++)
-                out->covariance[i][j] = variance * covariance[i * n_shared + j] * per_um * per_um;
-        for (int i = 0; i < n_own; i++)
-            out->own[i] = par[n_shared + i] * data->height_um;
-        /* the solver's own account against the recomputed one */
-        if (fabs(0.5 * sum - report.cost) > 1e-6 * fmax(report.cost, 1e-12))
-            status = dif_fail(err, DIF_ERR_FIT, "residuals recomputed outside the solver disagree with it");
-    }
-    dif_release(block);
-    dif_release(residual);
-    return status;
 }
 
 static void whole_field(const dif_field *field, int rect[4])
@@ -239,22 +44,26 @@ static int harmonics_resolved(const dif_field *field, double period_um)
     return n < 1.0 ? 1 : (n > DIF_FIT_HARMONIC_MAX ? DIF_FIT_HARMONIC_MAX : (int)n);
 }
 
+/* Numbers of harmonics that are tried: every one while they are few, then steps of about a third. */
+static const int CANDIDATES[] = {1, 2, 3, 4, 6, 8, 11, 15, 20, 26, 32};
+enum { N_CANDIDATE = sizeof CANDIDATES / sizeof *CANDIDATES };
+
 /* The number of harmonics: BIC, where residuals correlated from sample to sample count only as often as they are
  * independent, (1 - r)/(1 + r) of each. */
 static dif_status find_harmonics(const dif_field *field, double psi_rad, double f, int n_max, int *found,
                                  dif_error *err)
 {
     int rect[4];
-    wave_data data = {0};
-    wave_fit fit;
+    dif_wave_data data = {0};
+    dif_wave_fit fit;
     double best = (double)INFINITY;
     whole_field(field, rect);
-    dif_status status = wave_data_make(field, rect, psi_rad, ROWS_CRITERION, &data, err);
+    dif_status status = dif_wave_data_make(field, rect, psi_rad, ROWS_CRITERION, &data, err);
     data.across_free = true;
     *found = 1;
-    for (int n = 1; n <= n_max && status == DIF_OK; n++) {
-        data.n_harmonic = n;
-        status = wave_fit_solve(&data, f, 0.0, &fit, err);
+    for (int i = 0; i < N_CANDIDATE && CANDIDATES[i] <= n_max && status == DIF_OK; i++) {
+        const int n = data.n_harmonic = CANDIDATES[i];
+        status = dif_wave_fit_solve(&data, f, 0.0, &fit, err);
         if (status != DIF_OK)
             break;
         /* a residual as large as the last harmonic's own contribution is correlated over about a quarter of its period */
@@ -265,7 +74,7 @@ static dif_status find_harmonics(const dif_field *field, double psi_rad, double 
             *found = n;
         }
     }
-    wave_data_free(&data);
+    dif_wave_data_free(&data);
     return status;
 }
 
@@ -287,17 +96,17 @@ static dif_status fit_bands(const dif_field *field, double psi_rad, double f, in
     int n = 0;
     for (int i = 0; i < n_part; i++) {
         int rect[4];
-        wave_data data = {0};
-        wave_fit fit;
+        dif_wave_data data = {0};
+        dif_wave_fit fit;
         dif_error detail;
         band_rect(field, psi_rad, n_part, i, rect);
         if (rect[1] - rect[0] < 2 || rect[3] - rect[2] < 2)
             continue;
-        dif_status status = wave_data_make(field, rect, psi_rad, ROWS_BAND, &data, &detail);
+        dif_status status = dif_wave_data_make(field, rect, psi_rad, ROWS_BAND, &data, &detail);
         data.n_harmonic = n_harmonic;
         if (status == DIF_OK)
-            status = wave_fit_solve(&data, f, 0.0, &fit, &detail);
-        wave_data_free(&data);
+            status = dif_wave_fit_solve(&data, f, 0.0, &fit, &detail);
+        dif_wave_data_free(&data);
         if (status == DIF_ERR_FIT)
             continue;
         if (status != DIF_OK)
@@ -353,7 +162,7 @@ static dif_status check(const dif_field *field, const dif_fit_surface_opts *opts
 }
 
 /* From the whole fit's frequencies to period and direction with their standard errors. */
-static void finish(const wave_fit *fit, double psi_rad, double height_um, dif_fit_surface_result *out)
+static void finish(const dif_wave_fit *fit, double psi_rad, double height_um, dif_fit_surface_result *out)
 {
     const double a = fit->f_along, b = fit->f_across, f2 = a * a + b * b, f = sqrt(f2);
     const double(*c)[2] = fit->covariance;
@@ -363,49 +172,10 @@ static void finish(const wave_fit *fit, double psi_rad, double height_um, dif_fi
     out->psi_rad -= DIF_PI * floor(out->psi_rad / DIF_PI);
     out->psi_sd_rad = sqrt(b * b * c[0][0] - 2.0 * a * b * c[0][1] + a * a * c[1][1]) / f2;
     for (int n = 0; n < out->n_harmonic; n++)
-        out->amplitude_um[n] = hypot(fit->own[N_PLANE + 2 * n], fit->own[N_PLANE + 2 * n + 1]);
+        out->amplitude_um[n] = hypot(fit->own[DIF_WAVE_PLANE + 2 * n], fit->own[DIF_WAVE_PLANE + 2 * n + 1]);
     out->residual_rms_um = fit->rms_um;
     out->residual_share = fit->rms_um / height_um;
     out->n_iteration = fit->n_iteration;
-}
-
-/* How much larger the variance of the period is than white residuals would make it. A misfit that repeats from line to
- * line (a wall between two samples, harmonics that were left out) is one observation per place along the wave, however
- * many lines there are. With share c of the residual power in the mean over lines, n samples and n_place places:
- * 1 + c (n/n_place - 1). */
-static dif_status design_effect(wave_data *data, const wave_fit *fit, double pitch_um, double *effect, dif_error *err)
-{
-    const double per_place = data->length_um / pitch_um;
-    const int n_place = 2 * (int)ceil(per_place) + 3;
-    double par[2 + OWN_MAX] = {fit->f_along * data->length_um, fit->f_across * data->length_um};
-    double *mean = dif_alloc((size_t)n_place, sizeof *mean), *count = dif_alloc((size_t)n_place, sizeof *count);
-    double power = 0.0, common = 0.0, used = 0.0;
-    *effect = 1.0;
-    for (int i = 0; i < N_PLANE + 2 * data->n_harmonic; i++)
-        par[2 + i] = fit->own[i] / data->height_um;
-    for (int i = 0; i < data->n && mean && count; i++) {
-        const double r = wave_row(data, i, par, NULL);
-        /* places follow the fitted wave's own direction */
-        const double at = data->along[i] + data->across[i] * fit->f_across / fit->f_along;
-        const int place = (int)fmin(fmax(floor(at * per_place) + n_place / 2, 0.0), n_place - 1.0);
-        mean[place] += r;
-        count[place] += 1.0;
-        power += r * r;
-    }
-    for (int p = 0; p < n_place && mean && count; p++)
-        if (count[p] > 0.0) {
-            common += mean[p] * mean[p] / count[p];
-            used += 1.0;
-        }
-    const bool failed = !mean || !count;
-    dif_release(mean);
-    dif_release(count);
-    if (failed)
-        return dif_fail(err, DIF_ERR_NOMEM, "no memory for %d places", n_place);
-    /* white residuals put used/n of their power into the means by chance */
-    const double share = power > 0.0 ? fmax(common / power - used / data->n, 0.0) : 0.0;
-    *effect = 1.0 + share * (data->n / used - 1.0);
-    return DIF_OK;
 }
 
 /* The whole fit: thinned samples of the field, refined start, frequencies free. */
@@ -413,17 +183,17 @@ static dif_status fit_whole(const dif_field *field, double psi_rad, double *f, i
                             dif_fit_surface_result *out, dif_error *err)
 {
     int rect[4];
-    wave_data data = {0};
-    wave_fit fit;
+    dif_wave_data data = {0};
+    dif_wave_fit fit;
     whole_field(field, rect);
-    dif_status status = wave_data_make(field, rect, psi_rad, ROWS_MAX, &data, err);
+    dif_status status = dif_wave_data_make(field, rect, psi_rad, ROWS_MAX, &data, err);
     data.across_free = true;
     out->n_harmonic = data.n_harmonic = n_harmonic;
     if (status == DIF_OK)
-        status = wave_fit_solve(&data, *f, 0.0, &fit, err);
+        status = dif_wave_fit_solve(&data, *f, 0.0, &fit, err);
     if (status == DIF_OK) {
         double effect;
-        status = design_effect(&data, &fit, fmin(field->pitch_x_um, field->pitch_y_um), &effect, err);
+        status = dif_wave_design_effect(&data, &fit, fmin(field->pitch_x_um, field->pitch_y_um), &effect, err);
         finish(&fit, psi_rad, data.height_um, out);
         out->period_profile_um = out->period_sd_um * sqrt(effect);
         *f = 1.0 / out->period_um;
@@ -435,7 +205,7 @@ static dif_status fit_whole(const dif_field *field, double psi_rad, double *f, i
                               "fit a table for its ridges",
                               1e3 * out->period_um, 100.0 * (1.0 - out->residual_share * out->residual_share));
     }
-    wave_data_free(&data);
+    dif_wave_data_free(&data);
     return status;
 }
 
@@ -443,12 +213,12 @@ static dif_status fit_whole(const dif_field *field, double psi_rad, double *f, i
 static dif_status refine(const dif_field *field, double psi_rad, double *f, dif_error *err)
 {
     int rect[4];
-    wave_data data = {0};
+    dif_wave_data data = {0};
     whole_field(field, rect);
-    const dif_status status = wave_data_make(field, rect, psi_rad, ROWS_CRITERION, &data, err);
+    const dif_status status = dif_wave_data_make(field, rect, psi_rad, ROWS_CRITERION, &data, err);
     if (status == DIF_OK)
-        *f = refine_start(&data, *f * data.length_um) / data.length_um;
-    wave_data_free(&data);
+        *f = dif_wave_refine(&data, *f);
+    dif_wave_data_free(&data);
     return status;
 }
 
@@ -472,8 +242,7 @@ dif_status dif_fit_surface(const dif_field *field, const dif_fit_surface_opts *o
     int n_harmonic = o->n_harmonic;
     if (status == DIF_OK && n_harmonic == 0) {
         const int resolved = harmonics_resolved(field, 1.0 / f);
-        status = find_harmonics(field, psi_rad, f, resolved < HARMONICS_FOUND ? resolved : HARMONICS_FOUND, &n_harmonic,
-                                err);
+        status = find_harmonics(field, psi_rad, f, resolved, &n_harmonic, err);
     }
     if (status == DIF_OK)
         status = fit_whole(field, psi_rad, &f, n_harmonic, out, err);
