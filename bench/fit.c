@@ -24,6 +24,9 @@ dif_fit_table_opts dif_fit_table_opts_default(void)
 
 /* A centre less certain than this share of the line's width is not determined. */
 static const double centre_share_max = 0.3;
+/* A model that leaves more than this share of the data's rms is none, unless noise is what it leaves: residuals of which
+ * at least this share are independent. */
+static const double misfit_max = 0.3, noise_share = 0.2;
 /* Distance in f of cells that are fitted, in line widths. */
 static const double cell_step = 1.0 / 3.0;
 /* Fewer cells between the fitted ones than this say nothing. */
@@ -223,6 +226,13 @@ static dif_status believe(const fit_state *s, dif_error *err)
         return dif_fail(err, DIF_ERR_FIT, "not converged after %d iterations: %s", o->n_iteration, o->text);
     if (!o->has_covariance)
         return dif_fail(err, DIF_ERR_FIT, "the table does not determine all parameters (singular covariance)");
+    double square = 0.0;
+    for (int i = 0; i < s->n_cell; i++)
+        square += s->cell[i].y * s->cell[i].y;
+    const double left = o->residual_rms / sqrt(square / s->n_cell);
+    if (left > misfit_max && o->independent_share < noise_share)
+        return dif_fail(err, DIF_ERR_FIT,
+                        "the ridges leave %.0f %% of the table's rms unexplained, and that is not noise", 100.0 * left);
     const int k = weakest(s, &share);
     if (!(share < centre_share_max))
         return dif_fail(err, DIF_ERR_FIT,

@@ -132,7 +132,7 @@ void fit_view_free(fit_view *view)
     *view = (fit_view){0};
 }
 
-enum { N_ROW_MIN = 64 };
+enum { N_ROW_MIN = 40 };
 
 /* Cells of one wavelength as they are met. */
 typedef struct picker {

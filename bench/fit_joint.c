@@ -14,7 +14,8 @@ enum { N_TRIED = sizeof coef_tried / sizeof coef_tried[0] };
 static const double side_gain = 0.5;
 
 /* Orders weaker than this share of the strongest tell the period little; they go without side terms. */
-static const double weak_share = 0.15;
+static const double weak_share = 0.03;
+enum { N_SIDE_RIDGE = 3 }; /* and so do all but the strongest */
 
 /* Where a fit starts: shared parameters, and the centres they mean. */
 typedef struct start {
@@ -115,6 +116,34 @@ static double data_rms(const fit_state *s)
     return sqrt(square / s->n_cell);
 }
 
+/* Is ridge k one of the strongest few? */
+static bool worth_sides(int n, const double *strength, int k)
+{
+    int n_stronger = 0;
+    double strongest = 0.0;
+    for (int i = 0; i < n; i++) {
+        n_stronger += strength[i] > strength[k];
+        strongest = fmax(strongest, strength[i]);
+    }
+    return n_stronger < N_SIDE_RIDGE && strength[k] >= weak_share * strongest;
+}
+
+/* Residual rms over the groups of the ridges that have side terms: what they are judged by. */
+static double side_rms(const fit_state *s, const start *from)
+{
+    double square = 0.0;
+    int n = 0;
+    for (int i = 0; i < s->n_cell; i++)
+        for (int k = 0; k < s->model.n_ridge; k++)
+            if (s->model.ridge[k].group == s->cell[i].group && !from->plain[k]) {
+                const double r = fit_model_value(&s->model, s->par, &s->cell[i]) - s->cell[i].y;
+                square += r * r;
+                n++;
+                break;
+            }
+    return sqrt(square / (n > 0 ? n : 1));
+}
+
 /* Adds the leak through the edges, then one ghost after the other, as long as each explains most of what is left. *best
  * is the fit so far; state->before gets the centres of the last but one. */
 static dif_status add_sides(fit_state *s, double pitch_um, start *from, fit_state *best, fit_state *trial, int *n_coef,
@@ -128,18 +157,15 @@ static dif_status add_sides(fit_state *s, double pitch_um, start *from, fit_stat
     s->model.coherent = s->model.line->n_wave == 1;
     for (int k = 0; k < s->model.n_ridge; k++)
         from->strength[k] = fit_ridges_strength(best, k);
-    double strongest = 0.0;
     for (int k = 0; k < s->model.n_ridge; k++)
-        strongest = fmax(strongest, from->strength[k]);
-    for (int k = 0; k < s->model.n_ridge; k++)
-        from->plain[k] = s->model.common && from->strength[k] < weak_share * strongest;
+        from->plain[k] = s->model.common && !worth_sides(s->model.n_ridge, from->strength, k);
     for (int step = 0; step <= n_ghost; step++) {
         s->model.n_ghost = step;
         if (step == 1)
             status = walk_ghost(s, from, err);
         if (status == DIF_OK)
             status = choose_coefs(s, step > 0 ? 1 : 0, from, trial, &n_trial, err);
-        if (status != DIF_OK || !(trial->outcome.residual_rms < side_gain * best->outcome.residual_rms))
+        if (status != DIF_OK || !(side_rms(trial, from) < side_gain * side_rms(best, from)))
             break;
         for (int k = 0; k < s->model.n_ridge; k++) {
             s->before[k] = fit_model_centre(&best->model, best->par, k);

@@ -99,10 +99,11 @@ double fit_model_value(const fit_model *model, const double *par, const fit_cell
 typedef struct fit_outcome {
     bool converged, has_covariance;
     int n_iteration;
-    double cost;                                        /* the solver's                                             */
-    double residual_rms;                                /* recomputed                                               */
-    double n_independent;                               /* cells / correlation of neighbouring residuals            */
-    double criterion;                                   /* BIC with that number                                     */
+    double cost;              /* the solver's                                             */
+    double residual_rms;      /* recomputed                                               */
+    double independent_share; /* of the cells, as the correlation of residuals counts them        */
+    double n_independent;     /* cells / correlation of neighbouring residuals            */
+    double criterion;         /* BIC with that number                                     */
     double covariance[FIT_SHARED_MAX * FIT_SHARED_MAX]; /* of the shared parameters, scaled by residuals */
     char text[160];
 } fit_outcome;

@@ -128,7 +128,9 @@ static double recompute(const fit_model *m, const double *par, int n, const fit_
 static void judge(const fit_model *m, int n, const fit_cell *cells, const double *residual, fit_outcome *out)
 {
     const double variance = out->residual_rms * out->residual_rms;
-    out->n_independent = fmin(fmax(independent_cells(n, cells, residual, false), 3.0 * m->n_par), n);
+    const double counted = independent_cells(n, cells, residual, false);
+    out->independent_share = counted / n;
+    out->n_independent = fmin(fmax(counted, 3.0 * m->n_par), n);
     out->criterion = out->n_independent * log(variance + 1e-300) + m->n_par * log(out->n_independent);
     double square = 0.0;
     for (int i = 0; i < n; i++)
@@ -160,6 +162,9 @@ static dif_status solve_round(const dif_ls *ls, const job *j, double *residual, 
     return DIF_OK;
 }
 
+/* Trials need not be finished to be compared. */
+static const int n_iteration_max[] = {[FIT_LINEAR] = 15, [FIT_PLAIN] = 40, [FIT_ROBUST] = 150};
+
 /* The rounds of a mode: all that is linear first, then everything, then everything with Huber's loss. */
 static dif_status solve_rounds(const job *j, const int *size, const int *row_block, fit_mode mode, double *par,
                                double *residual, fit_outcome *out, dif_error *err)
@@ -169,10 +174,10 @@ static dif_status solve_rounds(const job *j, const int *size, const int *row_blo
     dif_ls ls = {.n_row = j->n, .n_shared = m->n_shared, .n_block = m->n_group, .size = size, .row_block = row_block};
     ls.par = par;
     ls.stride = m->stride;
-    ls.n_iteration_max = 150;
     ls.eval = eval;
     ls.self = &mine;
     for (fit_mode round = FIT_LINEAR; round <= mode; round++) {
+        ls.n_iteration_max = n_iteration_max[round];
         ls.hold_shared = round == FIT_LINEAR;
         ls.linear = round == FIT_LINEAR && !m->coherent;
         ls.want_covariance = round == FIT_ROBUST && m->n_shared > 0;
