@@ -52,8 +52,8 @@ static void add_options(dif_cli *cli, map_args *args)
         {"png", DIF_OPT_TEXT, &args->png, NULL, "F.png", "a picture beside it", NULL},
         {"spectral", DIF_OPT_FLAG, &args->spectral, NULL, NULL, "EXR: also a layer for each wavelength", NULL},
         {"exposure", DIF_OPT_TEXT, &args->exposure, NULL, "V",
-         "picture: factor from Y = 1 (a mirror) to white, or auto (default): the pixels above white carry a quarter of "
-         "the light",
+         "picture: factor on Y, 1 shows a mirror as white; auto (default): the pixels above white carry a tenth of the "
+         "light outside the mirror's spot",
          NULL},
         {"gamut", DIF_OPT_CHOICE, &args->gamut, "clip|desaturate", NULL,
          "picture: colours that sRGB lacks are cut off (default), or mixed with the grey of their luminance", NULL},
@@ -119,7 +119,9 @@ static dif_status measure(const dif_cli *cli, const map_args *args, map_run *run
                                .lambda_um = image->lambda_um,
                                .keep_layers = args->spectral || args->measure.n_check > 0};
     run->opts = dif_cli_measure_opts(cli, &args->measure, &run->file, &progress);
-    status = dif_map_measure(&run->file.field, &plan, args->measure.tol, &run->opts, &map, &run->stats, err);
+    status = dif_cli_measure_period(cli, &run->file, &run->opts, err);
+    if (!status)
+        status = dif_map_measure(&run->file.field, &plan, args->measure.tol, &run->opts, &map, &run->stats, err);
     if (!status && args->measure.n_check > 0)
         status =
             dif_map_check_layers(&run->file.field, &plan, &map, &run->opts, args->measure.n_check, 1, &run->check, err);

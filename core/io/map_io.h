@@ -47,13 +47,15 @@ typedef struct dif_map_look {
 } dif_map_look;
 
 #define DIF_EXPOSURE_AUTO       (-1.0)
-#define DIF_EXPOSURE_AUTO_SHARE 0.25
+#define DIF_EXPOSURE_AUTO_SHARE 0.1 /* of the light, in the pixels above white      */
+#define DIF_EXPOSURE_AUTO_AWAY  0.1 /* direction cosines from the mirror direction  */
 
 /* Automatic exposure, clip. */
 dif_map_look dif_map_look_default(void);
 
-/* The exposure at which the pixels that are brighter than white (largest of R, G, B above 1) carry
- * DIF_EXPOSURE_AUTO_SHARE of the map's light; to 1 %. 1 for a map without light. */
+/* The automatic exposure: the pixels that become brighter than white (largest of R, G, B above 1) carry
+ * DIF_EXPOSURE_AUTO_SHARE of the light that falls more than DIF_EXPOSURE_AUTO_AWAY away from the mirror direction, to 1 %.
+ * Of all the light if next to none (1e-3) falls there; 1 for a map without light. */
 double dif_map_exposure(const dif_map_image *map);
 
 /* Draws the map: encoded sRGB, circles of theta every 15 degrees, azimuths around it, what it shows below it.

@@ -26,29 +26,49 @@ static void xyz_at(const dif_map_image *map, size_t pixel, double xyz[3])
         xyz[c] = (double)map->xyz[3 * pixel + c];
 }
 
-/* The exposure that brings a pixel's largest channel to 1 falls into one of 100 bins an e-fold; the light of the bins
- * is added up from the brightest. */
+/* Light by level, in bins of 1 %: levels are the largest of R, G, B. */
+enum { LEVELS = 8000, LEVELS_PER_E = 100 };
+
+typedef struct light_levels {
+    double light[LEVELS], sum;
+} light_levels;
+
+static void add_light(light_levels *levels, double level)
+{
+    const double bin = LEVELS_PER_E * log(level) + 0.5 * LEVELS;
+    if (!(level > 0.0 && bin >= 0.0 && bin < LEVELS))
+        return;
+    levels->light[(int)bin] += level;
+    levels->sum += level;
+}
+
+/* 1 / the level above which a share of the light lies. */
+static double exposure_of(const light_levels *levels, double share)
+{
+    double above = 0.0;
+    int bin = LEVELS;
+    while (bin > 0 && above <= share * levels->sum)
+        above += levels->light[--bin];
+    return levels->sum > 0.0 ? exp((0.5 * LEVELS - bin) / LEVELS_PER_E) : 1.0;
+}
+
 double dif_map_exposure(const dif_map_image *map)
 {
-    enum { BINS = 6000, PER_E = 100 };
-    double light[BINS] = {0.0}, sum = 0.0, above = 0.0;
+    const double s = sin(map->theta_rad), mirror_x = -s * cos(map->phi_rad), mirror_y = -s * sin(map->phi_rad);
+    light_levels all = {.sum = 0.0}, away = {.sum = 0.0};
+    const int n = map->n_pixel;
     for (size_t i = 0; i < pixels_of(map); i++) {
+        const double x = (2.0 * (double)(i % (size_t)n) + 1.0) / n - 1.0;
+        const double y = 1.0 - (2.0 * (double)(i / (size_t)n) + 1.0) / n;
         double xyz[3], rgb[3];
         xyz_at(map, i, xyz);
         dif_colour_rgb_from_xyz(xyz, rgb);
-        const double level = fmax(rgb[0], fmax(rgb[1], rgb[2])), bin = PER_E * log(level) + 0.5 * BINS;
-        if (!(level > 0.0 && bin >= 0.0 && bin < BINS))
-            continue;
-        light[(int)bin] += level;
-        sum += level;
+        const double level = fmax(rgb[0], fmax(rgb[1], rgb[2]));
+        add_light(&all, level);
+        if (hypot(x - mirror_x, y - mirror_y) > DIF_EXPOSURE_AUTO_AWAY)
+            add_light(&away, level);
     }
-    int bin = BINS - 1;
-    for (; bin > 0; bin--) {
-        above += light[bin];
-        if (above > DIF_EXPOSURE_AUTO_SHARE * sum)
-            break;
-    }
-    return sum > 0.0 ? exp((0.5 * BINS - bin - 1) / PER_E) : 1.0;
+    return exposure_of(away.sum > 1e-3 * all.sum ? &away : &all, DIF_EXPOSURE_AUTO_SHARE);
 }
 
 enum { MARK_MAX = 80, TEXT_MAX = 40, TEXT_SIZE = 160, SIDE_MIN = 256 };
@@ -64,7 +84,7 @@ typedef struct picture {
     char text[TEXT_MAX][TEXT_SIZE];
 } picture;
 
-static const uint8_t GROUND = 34, PALE[3] = {225, 225, 225}, RING[3] = {120, 120, 120};
+static const uint8_t GROUND = 34, PALE[3] = {225, 225, 225}, RING[3] = {84, 84, 84};
 enum { CAPTION_LINES = 3 };
 
 static picture picture_of(const dif_map_image *map)
@@ -72,9 +92,9 @@ static picture picture_of(const dif_map_image *map)
     picture p = {.map = map, .enlarge = (SIDE_MIN + map->n_pixel - 1) / map->n_pixel};
     p.side = p.enlarge * map->n_pixel;
     p.capital = fmax(7.0, p.side / 56.0);
-    p.margin = (int)(3.6 * p.capital);
+    p.margin = (int)(5.2 * p.capital);
     p.nx = p.side + 2 * p.margin;
-    p.ny = p.nx + (int)((1.9 * CAPTION_LINES + 0.4) * p.capital);
+    p.ny = p.nx + (int)((1.9 * CAPTION_LINES - 0.9) * p.capital);
     return p;
 }
 
@@ -132,13 +152,15 @@ static void add_axes(picture *p)
         add_circle(p, 0.0, 0.0, 0.5 * p->side * sin(dif_rad_from_deg(deg)), RING);
     for (int deg = 0; deg < 360; deg += 15) {
         const double x = cos(dif_rad_from_deg(deg)), y = sin(dif_rad_from_deg(deg));
-        const double tick = (deg % 45 ? 0.5 : 1.0) * p->capital, far = 0.5 * p->side + 2.4 * p->capital;
+        const double tick = (deg % 45 ? 0.5 : 1.0) * p->capital, far = 0.5 * p->side + 1.5 * p->capital;
         const double x0 = x_of(p, x), y0 = y_of(p, y);
         add_line(p, x0, y0, x0 + tick * x, y0 - tick * y, PALE);
         if (deg % 45)
             continue;
         snprintf(text, sizeof text, "%d°", deg);
-        add_text(p, x_of(p, 0.0) + far * x, y_of(p, 0.0) - far * y, text);
+        dif_mark *mark = add_text(p, x_of(p, 0.0) + far * x, y_of(p, 0.0) - far * y, text);
+        mark->anchor_x = 0.5 - 0.5 * x;
+        mark->anchor_y = 0.5 + 0.5 * y;
     }
     for (int deg = 15; deg < 90; deg += 15) {
         const double at = dif_rad_from_deg(292.5), r = 0.5 * p->side * sin(dif_rad_from_deg(deg)) - 0.85 * p->capital;
@@ -176,7 +198,7 @@ static void add_caption(picture *p, double exposure, const dif_map_look *look)
     snprintf(text[2], TEXT_SIZE, "theta rings every 15°; + %s, o mirror direction",
              map->fixed_is_wo ? "detector" : "light");
     for (int i = 0; i < CAPTION_LINES; i++) {
-        dif_mark *mark = add_text(p, 0.8 * p->capital, p->nx + (1.9 * i + 0.5) * p->capital, text[i]);
+        dif_mark *mark = add_text(p, 0.8 * p->capital, p->nx + (1.9 * i - 0.9) * p->capital, text[i]);
         mark->anchor_x = 0.0;
         mark->width_max = p->nx - 1.6 * p->capital;
     }
