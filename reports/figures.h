@@ -30,4 +30,8 @@ DIF_MUST_USE dif_status dif_figure_residuals(const dif_result *result, const cha
                                              dif_figure_notes *notes, dif_error *err);
 DIF_MUST_USE dif_status dif_figure_lines(const dif_result *result, const char *prefix, FILE *html, dif_error *err);
 
+/* A BRDF map's picture on a disc with rings, azimuths and the light's direction; is_level: with the scale of the
+ * luminance. `map` is the result's object of that name. */
+void dif_figure_map(const dif_picture *picture, const json_t *map, bool is_level, const char *prefix, FILE *html);
+
 #endif

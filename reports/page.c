@@ -5,10 +5,13 @@
 
 #include "reports/html.h"
 
-/* Sections of a surface as the contents name them. */
-static const char *const sections[][2] = {{"surface", "surface"}, {"table", "response table"}, {"period", "period"},
-                                          {"lines", "lines"},     {"accuracy", "accuracy"},    {"energy", "energy"},
-                                          {"trust", "trust"},     {"provenance", "provenance"}};
+/* Sections of a surface as the contents name them, and the part of the result that a section needs, if it may lack. */
+static const struct {
+    const char *id, *name, *needs;
+} sections[] = {{"surface", "surface", NULL},      {"table", "response table", NULL}, {"period", "period", NULL},
+                {"lines", "lines", NULL},          {"map", "BRDF map", "map"},        {"methods", "methods", "methods"},
+                {"accuracy", "accuracy", NULL},    {"energy", "energy", NULL},        {"trust", "trust", NULL},
+                {"provenance", "provenance", NULL}};
 
 void dif_page_verdict(FILE *html, const json_t *verdict)
 {
@@ -106,8 +109,10 @@ static void write_contents(FILE *html, const json_t *docs)
         fprintf(html, "<li><a href=\"#s%zu\">", i + 1);
         dif_html_text(html, dif_result_text(doc, "title"));
         fputs("</a><ol>", html);
-        for (size_t k = 0; k < sizeof sections / sizeof *sections; k++)
-            fprintf(html, "<li><a href=\"#s%zu-%s\">%s</a></li>", i + 1, sections[k][0], sections[k][1]);
+        for (size_t k = 0; k < sizeof sections / sizeof *sections; k++) {
+            if (!sections[k].needs || json_is_object(dif_result_at(doc, sections[k].needs)))
+                fprintf(html, "<li><a href=\"#s%zu-%s\">%s</a></li>", i + 1, sections[k].id, sections[k].name);
+        }
         fputs("</ol></li>\n", html);
     }
     fputs("<li><a href=\"#conventions\">Conventions</a></li>\n"

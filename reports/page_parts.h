@@ -16,5 +16,9 @@ void dif_part_energy(FILE *html, const json_t *doc);       /* integral of the BR
 void dif_part_order_powers(FILE *html, const json_t *doc); /* sampled against closed form, where there is */
 void dif_part_trust(FILE *html, const json_t *doc);        /* where scalar theory stops                   */
 void dif_part_timings(FILE *html, const json_t *doc);      /* nothing if the file has no timings          */
+void dif_part_methods(FILE *html, const json_t *doc);      /* all methods side by side, and which to trust */
+
+/* The BRDF map's section; nothing if there is no map. Status as dif_picture_load. */
+DIF_MUST_USE dif_status dif_part_map(FILE *html, int number, const dif_result *result, dif_error *err);
 
 #endif

@@ -44,6 +44,7 @@ static const char style[] =
     ".bar{display:block;height:.6rem;background:#31688e;margin-top:.35rem;min-width:1px}\n"
     "table.prov{table-layout:fixed;width:100%;font-size:.87rem}table.prov th{width:13rem}\n"
     "table.prov td{overflow-wrap:anywhere}\n"
+    "table.methods td:first-child{max-width:19rem}small{color:#4a545e}\n"
     "@media screen and (max-width:760px){.pair{grid-template-columns:1fr}nav ol{columns:1}}\n"
     "@page{size:A4;margin:16mm 14mm}\n"
     "@media "

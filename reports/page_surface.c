@@ -138,8 +138,14 @@ dif_status dif_page_surface(FILE *html, int number, const dif_result *result, di
         status = write_period(html, number, result, &notes, err);
     if (status == DIF_OK)
         status = write_lines(html, number, result, err);
+    if (status == DIF_OK)
+        status = dif_part_map(html, number, result, err);
     if (status != DIF_OK)
         return status;
+    if (json_is_object(dif_result_at(doc, "methods"))) {
+        fprintf(html, "<h3 id=\"s%d-methods\">Methods compared</h3>\n", number);
+        dif_part_methods(html, doc);
+    }
     fprintf(html, "<h3 id=\"s%d-accuracy\">Accuracy</h3>\n", number);
     dif_part_accuracy(html, doc);
     fprintf(html, "<h3 id=\"s%d-energy\">Energy and order powers</h3>\n", number);

@@ -256,7 +256,7 @@ dif_status dif_result_doc_load(const char *folder, const char *name, json_t **do
 
 dif_status dif_result_load(const char *folder, const char *name, dif_result *out, dif_error *err)
 {
-    *out = (dif_result){0};
+    *out = (dif_result){.folder = folder};
     dif_status status = dif_result_doc_load(folder, name, &out->doc, err);
     if (status == DIF_OK)
         status = load_files(folder, out, err);
@@ -275,4 +275,49 @@ void dif_result_free(dif_result *result)
     dif_columns_free(&result->maxima);
     dif_columns_free(&result->lines);
     *result = (dif_result){0};
+}
+
+/* Big-endian, as PNG has it. */
+static unsigned long be32(const unsigned char *at)
+{
+    return (unsigned long)at[0] << 24 | (unsigned long)at[1] << 16 | (unsigned long)at[2] << 8 | (unsigned long)at[3];
+}
+
+/* Signature, header with a size, and the end mark in its place. */
+static dif_status check_png(const char *path, dif_picture *picture, dif_error *err)
+{
+    static const unsigned char head[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR", tail[] = "\0\0\0\0IEND\xae\x42\x60\x82";
+    const size_t n_head = sizeof head - 1, n_tail = sizeof tail - 1;
+    if (picture->n < n_head + 8 || memcmp(picture->png, head, n_head) != 0)
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: not a PNG picture", path);
+    const unsigned long nx = be32(picture->png + n_head), ny = be32(picture->png + n_head + 4);
+    if (nx < 1 || ny < 1 || nx > 65536 || ny > 65536)
+        return dif_fail(err, DIF_ERR_SIZE, "%s: a picture of %lu x %lu pixels, want 1 ... 65536", path, nx, ny);
+    if (picture->n < n_head + 8 + n_tail || memcmp(picture->png + picture->n - n_tail, tail, n_tail) != 0)
+        return dif_fail(err, DIF_ERR_FORMAT, "%s: the picture ends early", path);
+    picture->nx = (int)nx;
+    picture->ny = (int)ny;
+    return DIF_OK;
+}
+
+dif_status dif_picture_load(const dif_result *result, const char *name, dif_picture *out, dif_error *err)
+{
+    char path[PATH_SIZE];
+    *out = (dif_picture){0};
+    dif_status status = join(result->folder, name, path, err);
+    if (status == DIF_OK)
+        status = dif_file_read(path, file_size_max, &out->png, &out->n, err);
+    if (status == DIF_OK)
+        status = check_png(path, out, err);
+    if (status != DIF_OK)
+        dif_picture_free(out);
+    return status;
+}
+
+void dif_picture_free(dif_picture *picture)
+{
+    if (!picture)
+        return;
+    dif_release(picture->png);
+    *picture = (dif_picture){0};
 }

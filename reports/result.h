@@ -4,6 +4,7 @@
  *   NAME.json           everything measured on one surface, in nm, um and degrees; keys as the page reads them
  *   NAME.height.exr     the heightfield            NAME.table.exr, NAME.table.csv   the response table
  *   NAME.maxima.csv     DIF_RESULT_MAXIMA columns  NAME.lines.csv                   DIF_RESULT_LINES columns
+ *   NAME.map.png, NAME.map-level.png               the BRDF map's colours and its luminance, if it was measured
  *
  * Numbers that do not exist are null. Files are named relative to the folder and may not leave it.
  * Does not: compute results. */
@@ -43,7 +44,8 @@ typedef struct dif_columns {
 } dif_columns;
 
 typedef struct dif_result {
-    json_t *doc; /* owned reference */
+    const char *folder; /* borrowed: where further pictures lie */
+    json_t *doc;        /* owned reference */
     dif_field field;
     dif_table table;
     dif_columns maxima, lines;
@@ -56,7 +58,7 @@ DIF_MUST_USE dif_status dif_result_list_load(const char *folder, json_t **list, 
 /* Loads and checks FOLDER/NAME alone, without the pictures and tables it names; the caller drops *doc. */
 DIF_MUST_USE dif_status dif_result_doc_load(const char *folder, const char *name, json_t **doc, dif_error *err);
 
-/* Loads one surface's files. Status as dif_report_build; *out zeroed on failure. */
+/* Loads one surface's files; `folder` must outlive *out. Status as dif_report_build; *out zeroed on failure. */
 DIF_MUST_USE dif_status dif_result_load(const char *folder, const char *name, dif_result *out, dif_error *err);
 void dif_result_free(dif_result *result);
 
@@ -64,6 +66,18 @@ void dif_result_free(dif_result *result);
 DIF_MUST_USE dif_status dif_columns_read(const char *path, const char *header, int n_column, dif_columns *out,
                                          dif_error *err);
 void dif_columns_free(dif_columns *columns);
+
+/* A PNG file as it is, to be put into the page. */
+typedef struct dif_picture {
+    unsigned char *png; /* owned */
+    size_t n;
+    int nx, ny;
+} dif_picture;
+
+/* Reads a picture of the result's folder and checks that it is a whole PNG of at least one pixel.
+ * Status    DIF_ERR_IO, DIF_ERR_FORMAT, DIF_ERR_SIZE, DIF_ERR_NOMEM; *out zeroed on failure */
+DIF_MUST_USE dif_status dif_picture_load(const dif_result *result, const char *name, dif_picture *out, dif_error *err);
+void dif_picture_free(dif_picture *picture);
 
 /* Members by dotted path ("fit_table.period_nm"): NULL, NaN, "" or false where there is none of that type. */
 const json_t *dif_result_at(const json_t *doc, const char *path);

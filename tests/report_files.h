@@ -13,6 +13,7 @@
 #include "core/field.h"
 #include "core/io/field_io.h"
 #include "core/io/file.h"
+#include "core/io/image_cv.h"
 #include "core/io/table_io.h"
 #include "core/plan.h"
 #include "core/units.h"
@@ -83,6 +84,65 @@ static inline void report_write_doc(const char *folder, const char *name, const 
     assert_non_null(text);
     report_write_text(folder, name, text);
     free(text);
+}
+
+static inline void report_write_png(const char *folder, const char *name, int side)
+{
+    uint8_t rgb[64 * 64 * 3];
+    unsigned char *png;
+    char path[512];
+    size_t n;
+    assert_in_range(side, 1, 64);
+    for (int i = 0; i < 3 * side * side; i++)
+        rgb[i] = (uint8_t)(i * 7);
+    assert_int_equal(dif_image_encode_png(rgb, side, side, &png, &n, NULL), DIF_OK);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    assert_int_equal(dif_file_write(path, png, n, NULL), DIF_OK);
+    dif_release(png);
+}
+
+/* Adds a BRDF map and a comparison of methods to a result object; the pictures are named a.map.png, a.map-level.png. */
+static inline void report_add_parts(json_t *doc)
+{
+    static const char text[] =
+        "{\"map\": {\"n_pixel\": 16, \"n_lambda\": 81, \"lambda_nm_step\": 5, \"theta_i_deg\": 30, \"azimuth_deg\": "
+        "180,"
+        "  \"tol\": 1e-4, \"n_window\": 9, \"exposure\": 12.34, \"gamut\": \"desaturate\", \"outside_gamut\": 0.42,"
+        "  \"luminance_max\": 0.9, \"level_decades\": 6, \"white_share\": 0.1},"
+        "\"methods\": {\"period_nm\": 2500.01, \"first_order\": true, \"n_check\": 60, \"angle_deg_min\": -55.5,"
+        "  \"angle_deg_max\": -40, \"colour_deg_max\": 85, \"colour_deg_step\": 0.25, \"colour_nm_step\": 2, \"rows\": "
+        "["
+        "  {\"name\": \"sheet\", \"leaves_out\": \"\", \"ok\": true, \"text\": \"\", \"bound\": 6e-7, \"error_worst\": "
+        "5e-8,"
+        "   \"error_rms\": 2e-8, \"maxima_nm\": 2500.04, \"maxima_sd_nm\": 0.37, \"de_median\": 0, \"de_p95\": 0,"
+        "   \"de_worst\": 0, \"wall_s\": 0.025, \"cpu_s\": 0.04},"
+        "  {\"name\": \"nmm\", \"leaves_out\": \"a < b\", \"ok\": true, \"text\": \"\", \"bound\": null, "
+        "\"error_worst\": 0.1,"
+        "   \"error_rms\": 0.01, \"maxima_nm\": 2501.2, \"maxima_sd_nm\": 1.1, \"de_median\": 0.87, \"de_p95\": 2,"
+        "   \"de_worst\": 3, \"wall_s\": 2.5, \"cpu_s\": 4},"
+        "  {\"name\": \"nmm without its Jacobian\", \"leaves_out\": \"\", \"ok\": true, \"de_median\": 12.3, "
+        "\"shift_x\": -0.031,"
+        "   \"shift_y\": -0.052},"
+        "  {\"name\": \"pq\", \"leaves_out\": \"all\", \"ok\": false, \"text\": \"no period & no patch\"}]}}";
+    json_error_t why;
+    json_t *parts = json_loads(text, JSON_REJECT_DUPLICATES, &why);
+    if (!parts)
+        fail_msg("test parts: line %d column %d: %s", why.line, why.column, why.text);
+    json_object_update(doc, parts);
+    json_decref(parts);
+    json_object_set_new(json_object_get(doc, "files"), "map", json_string("a.map.png"));
+    json_object_set_new(json_object_get(doc, "files"), "map_level", json_string("a.map-level.png"));
+}
+
+/* Writes them all. */
+static inline void report_write_parts(const char *folder)
+{
+    json_t *doc = report_doc();
+    report_add_parts(doc);
+    report_write_doc(folder, "a.json", doc);
+    json_decref(doc);
+    report_write_png(folder, "a.map.png", 16);
+    report_write_png(folder, "a.map-level.png", 16);
 }
 
 static inline void report_make_field(dif_field *field)

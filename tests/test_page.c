@@ -117,6 +117,38 @@ static void test_order_powers__nothing_without_a_closed_form(void **state)
     json_decref(doc);
 }
 
+static void test_methods__rows_reasons_and_findings(void **state)
+{
+    (void)state;
+    json_t *doc = report_doc();
+    report_add_parts(doc);
+    part(dif_part_methods, doc);
+    assert_has(got, "<b>sheet</b>");
+    assert_has(got, "2500.04 nm<br><small>sd 0.37 nm</small>");
+    assert_has(got, ">25 ms<");
+    assert_has(got, ">2.5 s<");
+    assert_has(got, "leaves out a &lt; b");
+    assert_has(got, "not measured: no period &amp; no patch");
+    assert_has(got, "is 0.87 with the Jacobian and 12 without");
+    assert_has(got, "(−0.031, −0.052)");
+    assert_has(got, "−55.50° to −40.00°");
+    json_object_set_new(json_object_get(doc, "methods"), "first_order", json_false());
+    assert_has(part(dif_part_methods, doc), "no period is known");
+    json_decref(doc);
+}
+
+static void test_methods__without_times_no_column(void **state)
+{
+    (void)state;
+    json_t *doc = report_doc(), *row;
+    size_t i;
+    report_add_parts(doc);
+    json_array_foreach(dif_result_at(doc, "methods.rows"), i, row) json_object_del(row, "wall_s");
+    assert_null(strstr(part(dif_part_methods, doc), ">Time<"));
+    assert_has(got, "<td colspan=\"7\">");
+    json_decref(doc);
+}
+
 static void test_trust__an_unknown_level_is_a_caution(void **state)
 {
     (void)state;
@@ -130,9 +162,9 @@ static void test_trust__an_unknown_level_is_a_caution(void **state)
 static void test_parts__survive_an_empty_document(void **state)
 {
     (void)state;
-    void (*const parts[])(FILE *, const json_t *) = {dif_part_conditions,   dif_part_periods,  dif_part_orders,
-                                                     dif_part_ridges,       dif_part_accuracy, dif_part_energy,
-                                                     dif_part_order_powers, dif_part_trust,    dif_part_timings};
+    void (*const parts[])(FILE *, const json_t *) = {
+        dif_part_conditions, dif_part_periods,      dif_part_orders, dif_part_ridges,  dif_part_accuracy,
+        dif_part_energy,     dif_part_order_powers, dif_part_trust,  dif_part_timings, dif_part_methods};
     json_t *empty = json_object();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         assert_null(strstr(part(parts[i], empty), "nan"));
@@ -158,6 +190,8 @@ int main(void)
         cmocka_unit_test(test_ridges__lettered_unless_they_share_a_period),
         cmocka_unit_test(test_accuracy__error_tol_bound_and_where),
         cmocka_unit_test(test_order_powers__nothing_without_a_closed_form),
+        cmocka_unit_test(test_methods__rows_reasons_and_findings),
+        cmocka_unit_test(test_methods__without_times_no_column),
         cmocka_unit_test(test_trust__an_unknown_level_is_a_caution),
         cmocka_unit_test(test_parts__survive_an_empty_document),
         cmocka_unit_test(test_style__asks_for_nothing_outside),

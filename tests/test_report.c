@@ -104,9 +104,88 @@ static void test_build__page_is_well_formed(void **state)
     dif_release(page);
 }
 
+static void test_build__page_with_all_parts_is_well_formed(void **state)
+{
+    (void)state;
+    report_write_parts(folder);
+    build();
+    char *page = report_read(folder, "index.html");
+    assert_well_formed(page);
+    static const char *const ids[] = {"s1-map", "s1-methods"};
+    char text[64];
+    for (size_t i = 0; i < sizeof ids / sizeof *ids; i++) {
+        snprintf(text, sizeof text, "id=\"%s\"", ids[i]);
+        assert_non_null(strstr(page, text));
+        snprintf(text, sizeof text, "href=\"#%s\"", ids[i]);
+        assert_non_null(strstr(page, text));
+    }
+    int n_svg = 0;
+    for (const char *at = page; (at = strstr(at, "<svg ")); at++)
+        n_svg++;
+    assert_int_equal(n_svg, 7);
+    dif_release(page);
+}
+
+static void test_build__parts_left_out_leave_no_trace(void **state)
+{
+    (void)state;
+    build();
+    char *page = report_read(folder, "index.html");
+    assert_null(strstr(page, "-map\""));
+    assert_null(strstr(page, "-methods\""));
+    assert_null(strstr(page, "Methods compared"));
+    dif_release(page);
+}
+
+/* Bytes of the picture whose text begins behind `start`. */
+static size_t picture_behind(const char *page, const char *start, unsigned char *out, size_t room)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char *picture = strstr(page, start);
+    if (!picture)
+        fail_msg("no picture after %s", start);
+    unsigned bits = 0;
+    int n_bit = 0;
+    size_t n = 0;
+    for (size_t i = picture ? (size_t)(picture - page) + strlen(start) : 0; page[i] != '"' && page[i] != '='; i++) {
+        const char *digit = strchr(digits, page[i]);
+        assert_non_null(digit);
+        bits = (bits << 6 | (unsigned)(digit - digits)) & 0xffffffu;
+        n_bit += 6;
+        if (n_bit >= 8) {
+            n_bit -= 8;
+            assert_in_range(n, 0, room - 1);
+            out[n++] = (unsigned char)(bits >> n_bit);
+        }
+    }
+    return n;
+}
+
+static void test_build__pictures_are_embedded_whole(void **state)
+{
+    (void)state;
+    report_write_parts(folder);
+    build();
+    unsigned char got[4096];
+    const dif_result result = {.folder = folder};
+    dif_picture picture;
+    assert_int_equal(dif_picture_load(&result, "a.map.png", &picture, NULL), DIF_OK);
+    unsigned char *page;
+    size_t n;
+    char path[128];
+    snprintf(path, sizeof path, "%s/index.html", folder);
+    assert_int_equal(dif_file_read(path, (size_t)1 << 26, &page, &n, NULL), DIF_OK);
+    assert_int_equal(picture_behind((const char *)page, "\"none\" href=\"data:image/png;base64,", got, sizeof got),
+                     picture.n);
+    assert_memory_equal(got, picture.png, picture.n);
+    dif_release(page);
+    dif_picture_free(&picture);
+}
+
 static void test_build__page_needs_no_other_file(void **state)
 {
     (void)state;
+    report_write_parts(folder);
     build();
     char *page = report_read(folder, "index.html");
     static const char *const foreign[] = {"http:", "https:",  "//",      "<script", "<link",
@@ -248,6 +327,7 @@ static void test_build__json_holds_the_same(void **state)
 static void test_build__again_gives_the_same_bytes(void **state)
 {
     (void)state;
+    report_write_parts(folder);
     build();
     char *page = report_read(folder, "index.html"), *json = report_read(folder, "report.json");
     build();
@@ -285,6 +365,13 @@ static void test_build__broken_files_leave_the_old_page(void **state)
     snprintf(path, sizeof path, "%s/a.maxima.csv", folder);
     assert_int_equal(unlink(path), 0);
     assert_build_fails(DIF_ERR_IO, "a.maxima.csv");
+    report_write_parts(folder);
+    report_write_text(folder, "a.maxima.csv", DIF_RESULT_MAXIMA_HEADER "\n");
+    report_write_text(folder, "a.map-level.png", "\x89PNG");
+    assert_build_fails(DIF_ERR_FORMAT, "a.map-level.png: not a PNG picture");
+    snprintf(path, sizeof path, "%s/a.map.png", folder);
+    assert_int_equal(unlink(path), 0);
+    assert_build_fails(DIF_ERR_IO, "a.map.png");
     report_write_text(folder, "a.json", "{");
     assert_build_fails(DIF_ERR_FORMAT, "a.json: line 1: ");
     report_write_text(folder, "results.json", "nothing");
@@ -315,6 +402,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         FOLDER_TEST(test_build__page_is_well_formed),
+        FOLDER_TEST(test_build__page_with_all_parts_is_well_formed),
+        FOLDER_TEST(test_build__parts_left_out_leave_no_trace),
+        FOLDER_TEST(test_build__pictures_are_embedded_whole),
         FOLDER_TEST(test_build__page_needs_no_other_file),
         FOLDER_TEST(test_build__markup_in_texts_is_escaped),
         FOLDER_TEST(test_build__every_section_is_there_and_linked),

@@ -129,6 +129,39 @@ static void test_load__damaged_files(void **state)
     assert_non_null(strstr(err.text, "a.height.exr"));
 }
 
+static void test_picture__is_a_whole_png_of_the_folder(void **state)
+{
+    (void)state;
+    const dif_result result = {.folder = folder};
+    dif_picture picture;
+    dif_error err = {0};
+    report_write_png(folder, "p.png", 5);
+    assert_int_equal(dif_picture_load(&result, "p.png", &picture, &err), DIF_OK);
+    assert_int_equal(picture.nx, 5);
+    assert_int_equal(picture.ny, 5);
+    unsigned char bytes[4096];
+    const size_t n = picture.n;
+    assert_in_range(n, 40, sizeof bytes);
+    memcpy(bytes, picture.png, n);
+    dif_picture_free(&picture);
+    dif_picture_free(NULL);
+    char path[128];
+    snprintf(path, sizeof path, "%s/p.png", folder);
+    for (size_t cut = 0; cut < n; cut += 3) { /* cut short anywhere */
+        assert_int_equal(dif_file_write(path, bytes, cut, NULL), DIF_OK);
+        assert_int_equal(dif_picture_load(&result, "p.png", &picture, &err), DIF_ERR_FORMAT);
+        assert_non_null(strstr(err.text, cut < 24 ? "p.png: not a PNG picture" : "p.png: the picture ends early"));
+        assert_null(picture.png);
+    }
+    memset(bytes + 16, 0, 4); /* width 0 */
+    assert_int_equal(dif_file_write(path, bytes, n, NULL), DIF_OK);
+    assert_int_equal(dif_picture_load(&result, "p.png", &picture, &err), DIF_ERR_SIZE);
+    assert_non_null(strstr(err.text, "a picture of 0 x 5 pixels, want 1 ... 65536"));
+    assert_int_equal(dif_picture_load(&result, "../p.png", &picture, &err), DIF_ERR_FORMAT);
+    assert_int_equal(dif_picture_load(&result, "", &picture, &err), DIF_ERR_FORMAT);
+    assert_int_equal(dif_picture_load(&result, "none.png", &picture, &err), DIF_ERR_IO);
+}
+
 static void test_columns__rows_and_their_faults(void **state)
 {
     (void)state;
@@ -210,6 +243,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_load__missing_and_broken_json, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_load__names_may_not_leave_the_folder, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_load__damaged_files, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_picture__is_a_whole_png_of_the_folder, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_columns__rows_and_their_faults, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_list__shape_is_checked, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_load__each_failing_allocation, make_folder, remove_folder),

@@ -33,6 +33,7 @@ typedef struct report_args {
     dif_cli_measure measure;
     double theta_i_deg, theta_r_deg, azimuth_deg;
     dif_range angle_deg, lambda_nm;
+    bool no_map, no_methods;
     const char *out, *rebuild;
 } report_args;
 
@@ -52,11 +53,16 @@ static void add_options(dif_cli *cli, report_args *args)
          NULL},
         {"azimuth-deg", DIF_OPT_REAL, &args->azimuth_deg, "[-360, 360]", "DEG",
          "of the plane of incidence (default: across the strongest structure)", NULL},
+        {"Parts", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
+        {"no-map", DIF_OPT_FLAG, &args->no_map, NULL, NULL, "leave out the BRDF maps", NULL},
+        {"no-methods", DIF_OPT_FLAG, &args->no_methods, NULL, NULL, "leave out the comparison of methods", NULL},
     };
     dif_cli_add(cli, opts, DIF_COUNT(opts));
     dif_cli_add_measure(cli, &args->measure, false);
     dif_cli_add_surface(cli, &args->surface);
 }
+
+enum { WALL_SAMPLES = 1300 };
 
 /* The built-in surfaces. */
 static const struct {
@@ -98,7 +104,11 @@ static dif_status describe_fixture(const dif_cli *cli, const dif_surface *surfac
 
 static dif_status load_fixture(const dif_cli *cli, int i, dif_report_job *job, dif_error *err)
 {
-    const dif_surface surface = dif_surface_default(FIXTURES[i].kind);
+    dif_surface surface = dif_surface_default(FIXTURES[i].kind);
+    if (surface.kind == DIF_SURFACE_BLAZED || surface.kind == DIF_SURFACE_LAMELLAR) {
+        surface.nx = surface.ny = WALL_SAMPLES; /* 50 a period: every wall stands between two pixels */
+        surface.pitch_um = 65.0 / WALL_SAMPLES;
+    }
     snprintf(job->title, sizeof job->title, "%s", FIXTURES[i].title);
     snprintf(job->slug, sizeof job->slug, "%s", dif_surface_kind_name(surface.kind));
     snprintf(job->description, sizeof job->description, "%s", FIXTURES[i].description);
@@ -190,7 +200,7 @@ static dif_status choose_plane(const report_args *args, dif_report_job *job, dou
 static dif_status load(const dif_cli *cli, const report_args *args, int i, dif_report_job *job, dif_error *err)
 {
     const bool built_in = cli->n_operand == 0;
-    *job = (dif_report_job){.tol = args->measure.tol};
+    *job = (dif_report_job){.tol = args->measure.tol, .want_map = !args->no_map, .want_methods = !args->no_methods};
     dif_status status = built_in ? load_fixture(cli, i, job, err) : load_file(cli, args, i, job, err);
     if (status)
         return status;

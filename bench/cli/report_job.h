@@ -6,9 +6,12 @@
 
 #include <jansson.h>
 
+#include "bench/compare_methods.h"
 #include "bench/fit.h"
+#include "bench/map.h"
 #include "bench/maxima.h"
 #include "bench/measure.h"
+#include "core/colour.h"
 #include "core/grating.h"
 #include "core/io/manifest.h"
 
@@ -27,9 +30,10 @@ typedef struct dif_report_job {
     bool is_grating;  /* all ridges are orders of one period; false: each has its own, as on a scan       */
     bool has_grating; /* the surface is this grating: closed forms apply                        */
     dif_grating grating;
-    double known_period_um;  /* NaN = unknown                                                       */
-    bool known_exact;        /* false: a guide only (irregular rows)                                */
-    dif_manifest provenance; /* owned                                                              */
+    double known_period_um;      /* NaN = unknown                                                       */
+    bool known_exact;            /* false: a guide only (irregular rows)                                */
+    bool want_map, want_methods; /* parts that can be left out                                    */
+    dif_manifest provenance;     /* owned                                                              */
 } dif_report_job;
 
 void dif_report_job_free(dif_report_job *job);
@@ -48,6 +52,25 @@ typedef struct dif_report_order {
 typedef struct dif_report_energy {
     double theta_i_rad, lambda_um, albedo, reference; /* reference NaN = none */
 } dif_report_energy;
+
+/* The BRDF map; map.n_pixel 0 = not measured. */
+typedef struct dif_report_map_data {
+    dif_map map; /* owned */
+    double theta_i_rad, azimuth_rad, step_nm, tol, bound;
+    double exposure; /* XYZ times this is what the picture shows                     */
+    dif_gamut gamut;
+    double outside_gamut; /* share of the pixels shown whose colour sRGB does not hold */
+    int n_window;
+} dif_report_map_data;
+
+/* The methods side by side; compare.n 0 = not measured. */
+typedef struct dif_report_methods_data {
+    dif_compare compare;
+    double period_um; /* that pq and stam were given; NaN = none                                          */
+    bool first_order; /* the table holds the first order alone, so that plain maxima speak for the period */
+    int n_check;
+    double n_cell, angle_min_deg, angle_max_deg, colour_max_deg, colour_step_deg, colour_step_nm;
+} dif_report_methods_data;
 
 /* What was measured. */
 typedef struct dif_report_data {
@@ -71,6 +94,8 @@ typedef struct dif_report_data {
     dif_report_order order[DIF_REPORT_ORDER_MAX];
     int n_energy;
     dif_report_energy energy[DIF_REPORT_ENERGY_MAX];
+    dif_report_map_data map;
+    dif_report_methods_data methods;
     int n_stage;
     dif_report_stage stage[DIF_REPORT_STAGE_MAX];
 } dif_report_data;
@@ -88,6 +113,34 @@ double dif_report_fit_angle_max_rad(void);
 /* Closed-form order powers beside those of the sampled surface, at the plan's middle wavelength. */
 DIF_MUST_USE dif_status dif_report_orders(const dif_report_job *job, dif_report_data *data, dif_error *err);
 
+/* A colour map of rho, 380 ... 780 nm every step_nm, for light from (theta_i, azimuth). stats may be NULL. */
+DIF_MUST_USE dif_status dif_report_map_make(const dif_field *field, const dif_measure_opts *opts, double theta_i_rad,
+                                            double azimuth_rad, int n_pixel, double step_nm, double tol, dif_map *out,
+                                            dif_measure_stats *stats, dif_error *err);
+
+/* The exposure at which the brightest pixels beside the mirror beam, those that hold a quarter of the light there, are
+ * white. */
+DIF_MUST_USE dif_status dif_report_map_exposure(const dif_map *map, double theta_i_rad, double azimuth_rad,
+                                                double *exposure, dif_error *err);
+
+/* Largest luminance. */
+double dif_report_map_peak(const dif_map *map);
+
+/* A map's PNG: its colours; with exposure NaN its luminance on a logarithmic scale. */
+DIF_MUST_USE dif_status dif_report_map_write(const char *path, const dif_map *map, double exposure, dif_gamut gamut,
+                                             dif_error *err);
+
+/* The measured map's numbers. Status as dif_map_write. */
+DIF_MUST_USE dif_status dif_report_map_write_exr(const char *path, const dif_report_map_data *map,
+                                                 const dif_manifest *provenance, dif_error *err);
+
+/* The map of the job's surface, and the comparison of methods on it. */
+DIF_MUST_USE dif_status dif_report_map(const dif_report_job *job, dif_report_data *data, dif_error *err);
+DIF_MUST_USE dif_status dif_report_methods(const dif_report_job *job, dif_report_data *data, dif_error *err);
+
+/* The period that pq and stam are given: of the table's fit for a grating, else of the heights'. False = none. */
+bool dif_report_period(const dif_report_job *job, const dif_report_data *data, double *period_um, double *psi_rad);
+
 /* How far scalar theory can be trusted here: a list of {"level", "text"}. NULL = out of memory. */
 json_t *dif_report_domain(const dif_report_job *job, const dif_report_data *data);
 
@@ -97,12 +150,17 @@ bool dif_report_on_line(const dif_report_data *data, const dif_maximum *maximum)
 
 /* Vertical walls in a period of the job's grating, and samples in a period along its normal (axis-parallel). */
 int dif_report_walls(const dif_report_job *job);
+
+/* True if every wall stands between two pixels (axis-parallel grating, a whole number of samples on each side). */
+bool dif_report_walls_between(const dif_report_job *job);
 double dif_report_samples_per_period(const dif_report_job *job);
 
 /* Parts of the result object: the fits, the maxima. NULL = out of memory. */
 json_t *dif_report_fit_table_json(const dif_report_job *job, const dif_report_data *data);
 json_t *dif_report_fit_surface_json(const dif_report_data *data);
 json_t *dif_report_maxima_json(const dif_report_data *data);
+json_t *dif_report_map_json(const dif_report_data *data);
+json_t *dif_report_methods_json(const dif_report_data *data);
 
 /* The surface's result object; timings are left out if SOURCE_DATE_EPOCH is set, because they differ from run to run.
  * *outside is set if a verdict failed. NULL = out of memory. */

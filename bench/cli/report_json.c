@@ -127,7 +127,8 @@ static json_t *energy_json(const dif_report_job *job, const dif_report_data *dat
     }
     return rows ? json_pack(
                       "{s:s, s:o}", "text",
-                      "Judged at normal incidence, to 1 % and twice the share of pixels that hold a wall. At grazing "
+                      "Judged at normal incidence, to 1 % and, where walls stand within pixels, twice the share of "
+                      "those. At grazing "
                       "incidence the coherence window spreads the orders over "
                       "directions where the gain changes fast, which the closed form of sharp orders does not know. "
                       "Scalar theory does not conserve energy exactly (0.6 to 1.8 in the hardest cases); the sum is "
@@ -150,7 +151,13 @@ static void worst_order(const dif_report_job *job, const dif_report_data *data, 
         }
     }
     const double n = dif_report_samples_per_period(job);
-    if (dif_report_walls(job) > 0)
+    if (dif_report_walls(job) > 0 && dif_report_walls_between(job))
+        snprintf(
+            text, DIF_REPORT_TEXT,
+            "Every wall stands between two pixels, so the walls cost nothing. What limits the agreement is that %g "
+            "samples stand for each period: sums in place of integrals, off by up to %g/(3 N²) of the incident power.",
+            n, (double)dif_report_walls(job) * dif_report_walls(job));
+    else if (dif_report_walls(job) > 0)
         snprintf(
             text, DIF_REPORT_TEXT,
             "The sampling of the walls limits the agreement: of %.2f samples in a period, %d hold%s a wall and so the "
@@ -216,7 +223,9 @@ static json_t *energy_verdict(const dif_report_job *job, const dif_report_data *
     if (!job->has_grating)
         return verdict("energy", -1, "∫ = ", normal->albedo, NAN, "", outside);
     const double off = fabs(normal->albedo - normal->reference);
-    const double limit = energy_limit_window + 2.0 * dif_report_walls(job) / dif_report_samples_per_period(job);
+    const double limit =
+        energy_limit_window +
+        (dif_report_walls_between(job) ? 0.0 : 2.0 * dif_report_walls(job) / dif_report_samples_per_period(job));
     return verdict("energy", off <= limit, "", off, limit, "", outside);
 }
 
@@ -253,15 +262,14 @@ static json_t *timings_json(const dif_report_data *data)
     return rows ? json_pack("{s:o, s:s}", "rows", rows, "text", text) : NULL;
 }
 
-static json_t *files_json(const dif_report_job *job)
+static json_t *files_json(const dif_report_job *job, const dif_report_data *data)
 {
-    static const char *const keys[][2] = {{"height", "height.exr"},
-                                          {"table", "table.exr"},
-                                          {"table_csv", "table.csv"},
-                                          {"maxima", "maxima.csv"},
-                                          {"lines", "lines.csv"}};
+    static const char *const keys[][2] = {
+        {"height", "height.exr"}, {"table", "table.exr"}, {"table_csv", "table.csv"}, {"maxima", "maxima.csv"},
+        {"lines", "lines.csv"},   {"map_exr", "map.exr"}, {"map", "map.png"},         {"map_level", "map-level.png"}};
+    const size_t n = sizeof keys / sizeof *keys - (data->map.map.n_pixel > 0 ? 0 : 3);
     json_t *files = json_object();
-    for (size_t i = 0; files && i < sizeof keys / sizeof *keys; i++) {
+    for (size_t i = 0; files && i < n; i++) {
         char name[128];
         snprintf(name, sizeof name, "%s.%s", job->slug, keys[i][1]);
         if (json_object_set_new(files, keys[i][0], json_string(name)) != 0) {
@@ -291,14 +299,19 @@ json_t *dif_report_json(const dif_report_job *job, const dif_report_data *data, 
     json_t *orders = orders_json(job, data, &order_worst, &order_limit);
     json_t *out = json_pack(
         "{s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema",
-        DIF_RESULT_SCHEMA, "title", job->title, "description", job->description, "files", files_json(job), "known",
-        known_json(job), "surface", surface_json(job, &data->field), "plan", plan_json(job, data), "measure",
+        DIF_RESULT_SCHEMA, "title", job->title, "description", job->description, "files", files_json(job, data),
+        "known", known_json(job), "surface", surface_json(job, &data->field), "plan", plan_json(job, data), "measure",
         measure_json(job, data), "check", check_json(&data->check), "below_tol2", below_json(data), "fit_table",
         dif_report_fit_table_json(job, data), "fit_surface", dif_report_fit_surface_json(data), "maxima",
         dif_report_maxima_json(data), "energy", energy_json(job, data), "orders", orders, "domain",
         dif_report_domain(job, data), "verdicts", verdicts_json(job, data, order_worst, order_limit, outside));
     json_t *provenance = dif_json_manifest(&job->provenance);
-    if (out && json_object_set_new(out, "provenance", provenance) == 0 &&
+    bool done = out != NULL;
+    if (data->map.map.n_pixel > 0)
+        done = done && json_object_set_new(out, "map", dif_report_map_json(data)) == 0;
+    if (data->methods.compare.n > 0)
+        done = done && json_object_set_new(out, "methods", dif_report_methods_json(data)) == 0;
+    if (done && json_object_set_new(out, "provenance", provenance) == 0 &&
         (getenv("SOURCE_DATE_EPOCH") || json_object_set_new(out, "timings", timings_json(data)) == 0))
         return out;
     json_decref(out);

@@ -103,13 +103,34 @@ double dif_report_samples_per_period(const dif_report_job *job)
     return job->grating.period_um / job->field.pitch_x_um;
 }
 
-/* How far the sampled power of an order may be from the closed form. The pixel that holds a wall has the mean height of
- * both sides: its phase factor lies on the arc between theirs where the true mean lies on the chord, off by at most
- * min(2, phase^2/8); such pixels are walls/samples of a period. Smooth profiles have none of this. */
+static bool is_whole(double x)
+{
+    return fabs(x - rint(x)) < 1e-6;
+}
+
+bool dif_report_walls_between(const dif_report_job *job)
+{
+    const double n = dif_report_samples_per_period(job), c = fabs(cos(job->grating.psi_rad));
+    const bool along_x = c > 1.0 - 1e-12, along_y = c < 1e-12;
+    /* phase 0 lies on the patch's centre, between two samples if there is an even number of them */
+    const bool even = (along_x ? job->field.nx : job->field.ny) % 2 == 0;
+    return (along_x || along_y) && even && is_whole(n) &&
+           (job->grating.profile != DIF_PROFILE_LAMELLAR || is_whole(n * job->grating.duty));
+}
+
+/* How far the sampled power of an order may be from the closed form. Smooth profiles: rounding. Walls between pixels:
+ * a sum over N samples in place of the integral over a straight piece makes each amplitude 2 sin(a/2)/a larger by
+ * a^2/(24 N^2), so powers by at most 1/(3 N^2) (blazed, one piece as high as the phase asks) or 4/(3 N^2) (lamellar, two
+ * levels up to 2 apart); a tenth more for what follows. Walls within pixels: such a pixel has the mean height of both
+ * sides, its phase factor lies on the arc between theirs where the true mean lies on the chord, off by at most
+ * min(2, phase^2/8); such pixels are walls/samples of a period. */
 static double order_limit(const dif_report_job *job, double power, double kw_rad_per_um)
 {
     const double n = dif_report_samples_per_period(job), phase_rad = fabs(kw_rad_per_um) * job->grating.height_um;
-    const double off = dif_report_walls(job) * fmin(2.0, phase_rad * phase_rad / 8.0) / n;
+    const int n_wall = dif_report_walls(job);
+    if (n_wall > 0 && dif_report_walls_between(job))
+        return 1.1 * n_wall * n_wall / (3.0 * n * n);
+    const double off = n_wall * fmin(2.0, phase_rad * phase_rad / 8.0) / n;
     return fmax(1e-6, 2.0 * sqrt(power) * off + off * off);
 }
 
@@ -316,6 +337,16 @@ dif_status dif_report_measure(const dif_report_job *job, dif_report_data *out, d
         status = dif_report_orders(job, out, err);
         add_stage_since(out, "order powers", start);
     }
+    start = now();
+    if (status == DIF_OK && job->want_map) {
+        status = dif_report_map(job, out, err);
+        add_stage_since(out, "BRDF map", start);
+    }
+    start = now();
+    if (status == DIF_OK && job->want_methods) {
+        status = dif_report_methods(job, out, err);
+        add_stage_since(out, "comparison of methods", start);
+    }
     if (status != DIF_OK)
         dif_report_data_free(out);
     return status;
@@ -328,6 +359,7 @@ void dif_report_data_free(dif_report_data *data)
     dif_table_free(&data->table);
     dif_maxima_free(&data->maxima);
     dif_maxima_free(&data->on_line);
+    dif_map_free(&data->map.map);
     dif_release(data->line);
     *data = (dif_report_data){0};
 }

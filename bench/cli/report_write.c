@@ -1,4 +1,5 @@
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -73,6 +74,22 @@ static dif_status write_lines(const char *path, const dif_report_job *job, const
     return dif_outfile_commit(&out, err);
 }
 
+static dif_status write_map(const char *folder, const dif_report_job *job, const dif_report_data *data, dif_error *err)
+{
+    char path[PATH_SIZE];
+    const dif_report_map_data *map = &data->map;
+    dif_status status = join(folder, job->slug, ".map.exr", path, err);
+    if (status == DIF_OK)
+        status = dif_report_map_write_exr(path, map, &job->provenance, err);
+    if (status == DIF_OK)
+        status = join(folder, job->slug, ".map.png", path, err);
+    if (status == DIF_OK)
+        status = dif_report_map_write(path, &map->map, map->exposure, map->gamut, err);
+    if (status == DIF_OK)
+        status = join(folder, job->slug, ".map-level.png", path, err);
+    return status == DIF_OK ? dif_report_map_write(path, &map->map, (double)NAN, map->gamut, err) : status;
+}
+
 static dif_status write_doc(const char *folder, const dif_report_job *job, const dif_report_data *data, bool *outside,
                             dif_error *err)
 {
@@ -109,5 +126,7 @@ dif_status dif_report_write(const char *folder, const dif_report_job *job, const
         status = join(folder, job->slug, ".lines.csv", path, err);
     if (status == DIF_OK)
         status = write_lines(path, job, data, err);
+    if (status == DIF_OK && data->map.map.n_pixel > 0)
+        status = write_map(folder, job, data, err);
     return status == DIF_OK ? write_doc(folder, job, data, outside, err) : status;
 }

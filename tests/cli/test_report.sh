@@ -12,7 +12,7 @@ ok "the page is one file" [ "$(grep -c 'https\?:' page/index.html)" -eq 0 ]
 ok "no script" [ "$(grep -c '<script' page/index.html)" -eq 0 ]
 ok "the name is escaped" grep -q 'a&lt;b&gt;&amp;.gsf' page/index.html
 ok "the page ends" [ "$(tail -n 1 page/index.html)" = '</html>' ]
-for file in results.json report.json a-b.json a-b.height.exr a-b.table.exr a-b.table.csv a-b.maxima.csv a-b.lines.csv; do
+for file in results.json report.json a-b.json a-b.height.exr a-b.table.exr a-b.table.csv a-b.maxima.csv a-b.lines.csv a-b.map.exr a-b.map.png a-b.map-level.png; do
     ok "$file" [ -s "page/$file" ]
 done
 ok "no temporary file stays" [ -z "$(ls page | grep tmp)" ]
@@ -23,6 +23,19 @@ near "angles" "$(json surfaces.0.plan.n_angle)" 321 0
 ok "input's sha256" [ "$(json surfaces.0.provenance.input_sha256)" = "$(sha256sum 'a<b>&.gsf' | cut -c1-64)" ]
 ok "timings" [ "$(json surfaces.0.timings.rows#)" -ge 5 ]
 ok "averaged as its kind asks" [ "$(json surfaces.0.plan.average)" = none ]
+
+near "incidence of the map" "$(json surfaces.0.map.theta_i_deg)" 30 0
+near "methods" "$(json surfaces.0.methods.rows#)" 9 0
+ok "the first is the sheet" [ "$(json surfaces.0.methods.rows.0.name)" = sheet ]
+near "whose error is small" "$(json surfaces.0.methods.rows.0.error_worst)" 0 1e-6
+near "whose colours are the reference" "$(json surfaces.0.methods.rows.0.de_worst)" 0 0
+near "maxima near the grating's period" "$(json surfaces.0.methods.rows.0.maxima_nm)" 2500 25
+
+# parts left out
+run 0 report --quiet --out less --no-map --no-methods $small 'a<b>&.gsf'
+ok "no map" [ ! -e less/a-b.map.png ]
+ok "not on the page" bash -c '! grep -q "BRDF map\|Methods compared" less/index.html'
+ok "but there with it" bash -c '[ $(grep -c "<h3 id=\"s1-\(map\|methods\)\"" page/index.html) -eq 2 ]'
 
 # the table of the report is the table of `table`
 run 0 table 'a<b>&.gsf' --theta-i-deg 75 $small --azimuth-deg 0 --layout matrix --out t.csv
@@ -44,7 +57,8 @@ run 0 report --quiet --out day $small 'a<b>&.gsf'
 mkdir keep
 mv day/* keep
 run 0 report --quiet --out day $small 'a<b>&.gsf'
-for file in index.html report.json results.json a-b.json a-b.maxima.csv a-b.lines.csv a-b.table.csv a-b.table.exr; do
+for file in index.html report.json results.json a-b.json a-b.maxima.csv a-b.lines.csv a-b.table.csv a-b.table.exr \
+    a-b.map.exr a-b.map.png a-b.map-level.png; do
     ok "$file is the same again" cmp -s "day/$file" "keep/$file"
 done
 cp day/report.json out
@@ -66,6 +80,10 @@ refuses 2 'report: ' report --out a --angle-deg 0:90:1
 refuses 3 'report: none.gsf' report --quiet --out page none.gsf
 refuses 3 'report: none/results.json' report --rebuild none
 refuses 3 "report: first.html/x: cannot make the folder: Not a directory" report --quiet --out first.html/x 'a<b>&.gsf'
+echo 'P' >day/a-b.map.png
+refuses 3 'report: day/a-b.map.png: not a PNG picture$' report --rebuild day
+rm day/a-b.map.png
+refuses 3 'report: day/a-b.map.png' report --rebuild day
 echo '{' >day/a-b.json
 refuses 3 'report: day/a-b.json: line 2: ' report --rebuild day
 rm day/a-b.json
