@@ -13,6 +13,33 @@ void dif_wave_data_free(dif_wave_data *data)
     dif_release(data->z);
 }
 
+/* Below this rms there is nothing but rounding. */
+#define HEIGHT_MIN_UM 1e-9
+
+/* Subtracts the least-squares plane of z[ny][nx] (about the grid's middle its three terms are orthogonal) and returns
+ * the rms that is left: a tilt must not count as explained by a wave. */
+static double level(int nx, int ny, double *z)
+{
+    double sum = 0.0, sx = 0.0, sy = 0.0, xx = 0.0, yy = 0.0, left = 0.0;
+    for (int j = 0; j < ny; j++)
+        for (int i = 0; i < nx; i++) {
+            const double x = i - 0.5 * (nx - 1), y = j - 0.5 * (ny - 1), h = z[(size_t)j * (size_t)nx + (size_t)i];
+            sum += h;
+            sx += h * x;
+            sy += h * y;
+            xx += x * x;
+            yy += y * y;
+        }
+    const double n = (double)nx * ny, slope_x = xx > 0.0 ? sx / xx : 0.0, slope_y = yy > 0.0 ? sy / yy : 0.0;
+    for (int j = 0; j < ny; j++)
+        for (int i = 0; i < nx; i++) {
+            double *h = z + (size_t)j * (size_t)nx + (size_t)i;
+            *h -= sum / n + slope_x * (i - 0.5 * (nx - 1)) + slope_y * (j - 0.5 * (ny - 1));
+            left += *h * *h;
+        }
+    return sqrt(left / n);
+}
+
 dif_status dif_wave_data_make(const dif_field *field, const int rect[4], double psi_rad, int n_max, dif_wave_data *out,
                               dif_error *err)
 {
@@ -21,7 +48,6 @@ dif_status dif_wave_data_make(const dif_field *field, const int rect[4], double 
     /* rows are thinned first: neighbours along the fast axis carry the profile */
     const int step_y = (int)ceil(fmin(n_all / n_max, iy1 - iy0)), step_x = (int)ceil(n_all / step_y / n_max);
     const int nx = (ix1 - ix0 + step_x - 1) / step_x, ny = (iy1 - iy0 + step_y - 1) / step_y;
-    double sum = 0.0, sum2 = 0.0;
     *out = (dif_wave_data){.length_um = 0.5 * hypot(field->nx * field->pitch_x_um, field->ny * field->pitch_y_um)};
     out->along = dif_alloc((size_t)nx * (size_t)ny, sizeof *out->along);
     out->across = dif_alloc((size_t)nx * (size_t)ny, sizeof *out->across);
@@ -34,15 +60,13 @@ dif_status dif_wave_data_make(const dif_field *field, const int rect[4], double 
             out->along[out->n] = (c * x + s * y) / out->length_um;
             out->across[out->n] = (c * y - s * x) / out->length_um;
             out->z[out->n] = field->z_um[(size_t)iy * (size_t)field->nx + (size_t)ix];
-            sum += out->z[out->n];
-            sum2 += out->z[out->n] * out->z[out->n];
             out->n++;
         }
-    out->height_um = sqrt(fmax(sum2 / out->n - (sum / out->n) * (sum / out->n), 0.0));
-    if (!(out->height_um > 0.0))
+    out->height_um = level(nx, ny, out->z);
+    if (!(out->height_um > HEIGHT_MIN_UM))
         return dif_fail(err, DIF_ERR_FIT, "the surface is flat: no period to fit");
     for (int i = 0; i < out->n; i++)
-        out->z[i] = (out->z[i] - sum / out->n) / out->height_um;
+        out->z[i] /= out->height_um;
     return DIF_OK;
 }
 

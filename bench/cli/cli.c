@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "core/sheet.h"
+#include "core/units.h"
 
 dif_cli_surface dif_cli_surface_default(void)
 {
@@ -48,6 +49,9 @@ dif_cli_measure dif_cli_measure_default(void)
                              .window = DIF_WINDOW_GAUSS,
                              .average = DIF_AVERAGE_BY_SURFACE,
                              .n_terms = DIF_TERMS_FROM_TOL,
+                             .period_nm = NAN,
+                             .groove_deg = NAN,
+                             .n_replica = DIF_REPLICAS_FROM_WINDOW,
                              .sigma_um = DIF_SIGMA_DEFAULT_UM,
                              .index_n = index.n,
                              .index_kappa = index.kappa};
@@ -63,10 +67,23 @@ void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quant
         {"Measurement", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
         {"tol", DIF_OPT_REAL, &measure->tol, "[1e-14, 1)", "TOL",
          "wanted amplitude error, relative to the largest possible amplitude (default 1e-6; map and lut: 1e-4)", NULL},
-        {"method", DIF_OPT_CHOICE, &measure->method, "sheet|taylor|direct", NULL,
-         "sheet: fast and exact to --tol (default); taylor: power series; direct: plain sum, slow", NULL},
-        {"terms", DIF_OPT_INT, &measure->n_terms, "[1, 200]", "N", "taylor: number of terms (default: from --tol)",
+        {"method", DIF_OPT_CHOICE, &measure->method, "sheet|taylor|direct|thesis|nmm|pq|stam", NULL,
+         "sheet: fast and exact to --tol (default); taylor: power series; direct: plain sum, slow; for comparison: "
+         "thesis (Taylor without w, window on a corner), nmm (few wavelengths), pq (one period replicated), stam "
+         "(bumps without a profile)",
          NULL},
+        {"terms", DIF_OPT_INT, &measure->n_terms, "[1, 200]", "N",
+         "taylor: number of terms (default: from --tol); thesis: 40", NULL},
+        {"float", DIF_OPT_FLAG, &measure->single, NULL, NULL,
+         "taylor, thesis: sums in float, to show where that breaks", NULL},
+        {"grating-nm", DIF_OPT_REAL, &measure->period_nm, "(0, inf)", "NM",
+         "pq, stam: the period (default: fitted to the heights)", NULL},
+        {"groove-deg", DIF_OPT_REAL, &measure->groove_deg, "[-360, 360]", "DEG",
+         "pq, stam: azimuth of the groove normal (default 0, or fitted)", NULL},
+        {"replicas", DIF_OPT_INT, &measure->n_replica, "[1, 1000000]", "N",
+         "pq: periods in a row (default: as many as fill 4 sigma)", NULL},
+        {"no-jacobian", DIF_OPT_FLAG, &measure->no_jacobian, NULL, NULL,
+         "nmm: leave the Jacobian out, which turns pictures purple", NULL},
         {"window", DIF_OPT_CHOICE, &measure->window, "gauss|flat", NULL, "coherence window (default gauss)", NULL},
         {"sigma-um", DIF_OPT_REAL, &measure->sigma_um, "(0, inf)", "UM", "its standard deviation (default 16.25)",
          NULL},
@@ -101,6 +118,13 @@ dif_measure_opts dif_cli_measure_opts(const dif_cli *cli, const dif_cli_measure 
     dif_measure_opts opts = dif_measure_opts_default();
     opts.method = (dif_method)measure->method;
     opts.n_terms = measure->n_terms;
+    if (measure->n_terms != DIF_TERMS_FROM_TOL)
+        opts.thesis_terms = measure->n_terms;
+    opts.single = measure->single;
+    opts.nmm_jacobian = !measure->no_jacobian;
+    opts.period_um = measure->period_nm * 1e-3; /* NaN stays NaN */
+    opts.psi_rad = isnan(measure->groove_deg) ? 0.0 : dif_rad_from_deg(measure->groove_deg);
+    opts.n_replica = measure->n_replica;
     opts.window = (dif_window_kind)measure->window;
     opts.sigma_um = measure->sigma_um;
     opts.quantity = (dif_quantity)measure->quantity;
@@ -113,6 +137,20 @@ dif_measure_opts dif_cli_measure_opts(const dif_cli *cli, const dif_cli_measure 
     else
         opts.average = (dif_average)measure->average;
     return opts;
+}
+
+dif_status dif_cli_measure_period(const dif_cli *cli, const dif_field_file *file, dif_measure_opts *opts,
+                                  dif_error *err)
+{
+    if ((opts->method != DIF_METHOD_PQ && opts->method != DIF_METHOD_STAM) || !isnan(opts->period_um))
+        return DIF_OK;
+    const dif_status status = dif_measure_find_period(&file->field, opts, err);
+    if (status)
+        return dif_fail(err, status, "%s: %s needs a period, and none could be fitted to the heights (--grating-nm)",
+                        cli->operand[0], dif_method_name(opts->method));
+    dif_cli_say(cli, "%s: period %.6g nm along azimuth %.4g deg, fitted to the heights", dif_method_name(opts->method),
+                dif_nm_from_um(opts->period_um), dif_deg_from_rad(opts->psi_rad));
+    return DIF_OK;
 }
 
 void dif_cli_use_threads(const dif_cli *cli)
@@ -136,9 +174,11 @@ void dif_cli_say(const dif_cli *cli, const char *format, ...)
 void dif_cli_say_stats(const dif_cli *cli, const dif_measure_stats *stats)
 {
     char planes[80] = "";
-    if (stats->n_plane > 0)
+    if (stats->n_plane > 0 && isfinite(stats->bound))
         snprintf(planes, sizeof planes, "%d planes, %d taps, %s, amplitude error at most %.2g, ", stats->n_plane,
                  stats->n_tap, stats->single ? "float" : "double", stats->bound);
+    else if (isnan(stats->bound))
+        snprintf(planes, sizeof planes, "no error bound, ");
     dif_cli_say(cli, "%zu samples, %d window%s, %spreparing %.3g s, sampling %.3g s (%.3g CPU s)", stats->n_sample,
                 stats->n_window, stats->n_window == 1 ? "" : "s", planes, stats->build_wall_s, stats->eval_wall_s,
                 stats->build_cpu_s + stats->eval_cpu_s);

@@ -34,6 +34,9 @@ typedef struct dif_cli_measure {
     double tol;
     int method, quantity, window, average; /* the enums' numbers; average also DIF_AVERAGE_BY_SURFACE */
     int n_terms;
+    bool single, no_jacobian; /* taylor and thesis in float; nmm as the source had it        */
+    double period_nm, groove_deg; /* pq, stam; NaN = from the surface                        */
+    int n_replica;
     double sigma_um;
     double index_n, index_kappa;
     int n_check;
@@ -49,6 +52,11 @@ void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quant
 /* The options of bench/measure.h for a surface. */
 dif_measure_opts dif_cli_measure_opts(const dif_cli *cli, const dif_cli_measure *measure, const dif_field_file *file,
                                       dif_progress *progress);
+
+/* Gives pq and stam the period that the user did not: a harmonic fit of the heights. Says what it found.
+ * Status of dif_fit_surface */
+DIF_MUST_USE dif_status dif_cli_measure_period(const dif_cli *cli, const dif_field_file *file, dif_measure_opts *opts,
+                                               dif_error *err);
 
 /* Tells libraries that ask OpenMP how many threads --threads allows. */
 void dif_cli_use_threads(const dif_cli *cli);

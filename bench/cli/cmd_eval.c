@@ -105,8 +105,10 @@ static dif_status measure(const dif_cli *cli, const eval_args *args, eval_run *r
     run->opts = dif_cli_measure_opts(cli, &args->measure, &run->file, &progress);
     if (args->amplitude)
         run->opts.average = DIF_AVERAGE_NONE;
-    status = dif_measure_queries(&run->file.field, run->n, run->query, args->measure.tol, &run->opts, run->sample,
-                                 &run->stats, err);
+    status = dif_cli_measure_period(cli, &run->file, &run->opts, err);
+    if (!status)
+        status = dif_measure_queries(&run->file.field, run->n, run->query, args->measure.tol, &run->opts, run->sample,
+                                     &run->stats, err);
     dif_progress_end(&progress);
     run->opts.progress = NULL; /* the bar ends here, the options live on */
     run->opts.progress_self = NULL;

@@ -81,8 +81,10 @@ static dif_status measure(const dif_cli *cli, const table_args *args, table_run 
     if (status)
         return status;
     run->opts = dif_cli_measure_opts(cli, &args->measure, &run->file, &progress);
-    status =
-        dif_measure_table(&run->file.field, &run->plan, args->measure.tol, &run->opts, &run->table, &run->stats, err);
+    status = dif_cli_measure_period(cli, &run->file, &run->opts, err);
+    if (!status)
+        status = dif_measure_table(&run->file.field, &run->plan, args->measure.tol, &run->opts, &run->table,
+                                   &run->stats, err);
     if (!status && args->measure.n_check > 0)
         status = dif_measure_check_table(&run->file.field, &run->table, &run->opts, args->measure.n_check, 1,
                                          &run->check, err);

@@ -57,13 +57,26 @@ static dif_status add_window(dif_manifest *manifest, const dif_measure_opts *opt
     return dif_manifest_setf(manifest, err, "windows", "%d", stats->n_window);
 }
 
+/* The bound, or what a method without one leaves out; the grating that pq and stam stand on. */
+static dif_status add_bound(dif_manifest *manifest, const dif_measure_opts *opts, const dif_measure_stats *stats,
+                            dif_error *err)
+{
+    const dif_status status =
+        isnan(stats->bound) ? dif_manifest_setf(manifest, err, "bound", "none: %s", dif_method_leaves_out(opts->method))
+                            : dif_manifest_setf(manifest, err, "bound", "%.3g", stats->bound);
+    if (status || isnan(opts->period_um))
+        return status;
+    return dif_manifest_setf(manifest, err, "grating", "%.9g nm along azimuth %.9g deg, %d x %d replicas",
+                             dif_nm_from_um(opts->period_um), dif_deg_from_rad(opts->psi_rad), stats->n_replica_x,
+                             stats->n_replica_y);
+}
+
 dif_status dif_cli_manifest_measure(dif_manifest *manifest, double tol, const dif_measure_opts *opts,
                                     const dif_measure_stats *stats, dif_error *err)
 {
     dif_status status = dif_manifest_set(manifest, "method", dif_method_name(opts->method), err);
     if (status || (status = dif_manifest_setf(manifest, err, "tol", "%.3g", tol)) ||
-        (status = dif_manifest_setf(manifest, err, "bound", "%.3g", stats->bound)) ||
-        (status = add_window(manifest, opts, stats, err)) ||
+        (status = add_bound(manifest, opts, stats, err)) || (status = add_window(manifest, opts, stats, err)) ||
         (status = dif_manifest_setf(manifest, err, "index_n", "%.9g", opts->index.n)) ||
         (status = dif_manifest_setf(manifest, err, "index_kappa", "%.9g", opts->index.kappa)))
         return status;

@@ -87,4 +87,22 @@ refuses 3 'table: m.txt: .*--z-unit' table m.txt "${plan[@]}" --pixel-nm 100
 run 0 table m.txt "${plan[@]}" --pixel-nm 100 --z-unit nm
 run 0 fixture sine --pixels 32 --size-um 10 --out s.exr
 refuses 3 'table: s.exr: .*' table s.exr "${plan[@]}" --channel nowhere
+
+# the methods for comparison: each runs, says what it leaves out, and pq and stam take or find a period
+run 0 fixture blazed --pixels 520 --size-um 26 --out g.exr
+line=(--theta-i-deg 75 --angle-deg -55:-45:0.02 --lambda-nm 500:600:50 --sigma-um 6.5)
+for method in thesis nmm stam; do
+    run 0 table g.exr "${line[@]}" --method $method --out $method.csv
+    ok "$method has no bound" grep -q '^# bound: none: ' $method.csv
+done
+run 0 table g.exr "${line[@]}" --method pq --grating-nm 2500 --replicas 400 --out pq.csv
+ok "pq says what it replicated" grep -q '^# grating: 2500 nm along azimuth 0 deg, 400 x' pq.csv
+run 0 maxima pq.csv
+ok "400 replicas lie on the grating equation" awk '/^  mean/ { exit !($2 > 2499.9 && $2 < 2500.1) }' out
+run 0 table g.exr "${line[@]}" --method stam
+err_has 'stam: period (2499.9|2500.0)[0-9]* nm along azimuth'
+refuses 2 'larger than the patch' table g.exr "${line[@]}" --method pq --grating-nm 30000
+run 0 fixture random --pixels 64 --size-um 3 --out r.exr
+refuses 1 'table: r.exr: pq needs a period.*--grating-nm' table r.exr "${line[@]}" --method pq
+refuses 2 'table: --replicas' table g.exr "${line[@]}" --method pq --replicas 0
 finish
