@@ -63,7 +63,7 @@ typedef struct dif_fit_result {
     double residual_rms, residual_share;    /* recomputed outside the solver: rms; rms / rms of the data   */
     double criterion;                       /* BIC of the accepted model                                  */
     int n_data, n_parameter, n_iteration, n_part;
-    char note[160]; /* what a reader must know, or empty                          */
+    char note[320]; /* what a reader must know, or empty                          */
 } dif_fit_result;
 
 /* Fits ridges  R = sum_m C_m(kappa_z) L(f - m/d) + background  to a table.
