@@ -26,8 +26,9 @@ typedef struct dif_lut_opts {
     int n_radius;               /* rows, 8 ... 4096                                                        */
     int n_map;                  /* Chebyshev maps, 1 ... DIF_LUT_MAP_MAX, or DIF_LUT_MAPS_FROM_TOL         */
     double source_diameter_rad; /* angular diameter of the light (sun: 0.53 degrees), 0 = a point */
-    void (*progress)(void *self, double share); /* may be NULL                                */
-    void *progress_self;
+    void (*progress)(void *self, double share);    /* may be NULL; called from the calling thread      */
+    void (*stage)(void *self, const char *begins); /* may be NULL; "sheet", "rings", "texels", "blur" */
+    void *progress_self;                           /* of both                                              */
 } dif_lut_opts;
 
 #define DIF_LUT_MAPS_FROM_TOL (-1)

@@ -25,12 +25,26 @@ typedef struct lut_job {
     int n_lambda;
     const double *lambda_um;
     double (*weight)[3];
-    double reach_um;  /* longest distance within the patch: the band limit of |P|^2 */
-    double tol_sheet; /* amplitude tolerance of the sheets                             */
-    int n_node;       /* Chebyshev nodes in use                                       */
-    float *sums;      /* sums[row's samples][n_node][3], all rows                     */
-    size_t *row_at;   /* where a row's sums begin, row_at[n_radius + 1]               */
+    double reach_um;   /* longest distance within the patch: the band limit of |P|^2 */
+    double tol_sheet;  /* amplitude tolerance of the sheets                             */
+    int n_node;        /* Chebyshev nodes in use                                       */
+    float *sums;       /* sums[row's samples][n_node][3], all rows                     */
+    size_t *row_at;    /* where a row's sums begin, row_at[n_radius + 1]               */
+    double done, span; /* share of the build that lies before the sums, and that of the sums */
 } lut_job;
+
+static void begin_stage(const lut_job *job, const char *name)
+{
+    if (job->opts->stage)
+        job->opts->stage(job->opts->progress_self, name);
+}
+
+/* `share` of the sums that are being made. */
+static void draw_progress(const lut_job *job, double share)
+{
+    if (job->opts->progress)
+        job->opts->progress(job->opts->progress_self, job->done + job->span * share);
+}
 
 static double height_range(double s)
 {
@@ -129,6 +143,19 @@ static dif_status begin_sums(lut_job *job, int n_node, int stride, dif_error *er
     return job->sums ? DIF_OK : dif_fail(err, DIF_ERR_NOMEM, "no memory for the sums of a table");
 }
 
+/* All rows of one window. Rows grow with their number, so do their costs: the widest come first, so that no thread is
+ * left with one at the end. `i_window` of `n_window`: for the progress. */
+static void sum_window(const lut_job *job, const dif_sheet *sheet, double share, int i_window, int n_window)
+{
+    const int n = job->lut->n_radius;
+#pragma omp parallel for schedule(dynamic)
+    for (int row = n - 1; row >= 0; row--) {
+        add_row(job, sheet, share, row);
+        if (omp_get_thread_num() == 0) /* the calling one */
+            draw_progress(job, (i_window + 1.0 - (double)job->row_at[row] / (double)job->row_at[n]) / n_window);
+    }
+}
+
 /* Sums of all laid-out rows over all windows, turned into coefficients. */
 static dif_status sum_rows(const lut_job *job, const dif_field *field, int n_window, const dif_window *windows,
                            const double *share, dif_error *err)
@@ -137,6 +164,7 @@ static dif_status sum_rows(const lut_job *job, const dif_field *field, int n_win
     double cosine[4 * (PROBE_MAPS + DIF_LUT_MAP_MAX)];
     for (int w = 0; w < n_window; w++) {
         dif_sheet *sheet;
+        begin_stage(job, "sheet");
         const dif_status status = dif_sheet_create_volume(field, windows + w, &band, job->tol_sheet, NULL, &sheet, err);
         if (status != DIF_OK)
             return status;
@@ -146,14 +174,11 @@ static dif_status sum_rows(const lut_job *job, const dif_field *field, int n_win
             return dif_fail(err, DIF_ERR_SIZE, "heights too large for a table: %d planes, want <= %d", n_plane,
                             DIF_RESPONSE_PLANES);
         }
-        /* the widest rows first, so that no thread is left with one at the end */
-#pragma omp parallel for schedule(dynamic)
-        for (int row = job->lut->n_radius - 1; row >= 0; row--)
-            add_row(job, sheet, share[w], row);
+        begin_stage(job, "rings");
+        sum_window(job, sheet, share[w], w, n_window);
         dif_sheet_free(sheet);
-        if (job->opts->progress)
-            job->opts->progress(job->opts->progress_self, 0.9 * (w + 1.0) / n_window);
     }
+    begin_stage(job, "texels");
     fill_cosine(job->n_node, cosine);
     const size_t n = job->row_at[job->lut->n_radius];
 #pragma omp parallel for schedule(static)
@@ -185,6 +210,7 @@ static dif_status find_maps(lut_job *job, const dif_field *field, const dif_wind
     const double one = 1.0;
     double tail[PROBE_MAPS];
     const int stride = job->lut->n_radius > PROBE_ROWS ? job->lut->n_radius / PROBE_ROWS : 1;
+    job->span = 0.1;
     dif_status status = begin_sums(job, PROBE_MAPS, stride, err);
     if (status == DIF_OK)
         status = sum_rows(job, field, 1, window, &one, err);
@@ -197,6 +223,7 @@ static dif_status find_maps(lut_job *job, const dif_field *field, const dif_wind
     }
     dif_release(job->sums);
     job->sums = NULL;
+    job->done = job->span;
     return status;
 }
 
@@ -319,6 +346,7 @@ static dif_status build(lut_job *job, const dif_field *field, int n_window, cons
     if (status == DIF_OK && lut->n_map == DIF_LUT_MAPS_FROM_TOL)
         status = find_maps(job, field, windows, tol, err);
     /* Two nodes beyond the kept maps measure what is dropped. */
+    job->span = 0.9 - job->done;
     if (status == DIF_OK)
         status = begin_sums(job, lut->n_map + 2, 1, err);
     if (status == DIF_OK)
@@ -331,6 +359,8 @@ static dif_status build(lut_job *job, const dif_field *field, int n_window, cons
     if (!lut->coef)
         return dif_fail(err, DIF_ERR_NOMEM, "no memory for a table of %d maps", lut->n_map);
     status = store_rows(job, err);
+    if (status == DIF_OK && job->opts->source_diameter_rad > 0.0)
+        begin_stage(job, "blur");
     if (status == DIF_OK && job->opts->source_diameter_rad > 0.0)
         status = blur(lut, sin(0.5 * job->opts->source_diameter_rad), err);
     return status;
