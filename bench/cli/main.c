@@ -20,6 +20,7 @@ static const dif_cmd COMMANDS[] = {
     {"table", dif_cmd_table, "measure an angle-wavelength response table"},
     {"eval", dif_cmd_eval, "measure arbitrary directions and wavelengths"},
     {"map", dif_cmd_map, "measure all directions for one direction of light, in colour"},
+    {"lut", dif_cmd_lut, "build the wavelength-integrated table of a surface, or read colours from one"},
     {"orders", dif_cmd_orders, "grating equation and order efficiencies of a named profile"},
     {"maxima", dif_cmd_maxima, "maxima of a table against the grating equation"},
     {"fit", dif_cmd_fit, "grating periods with uncertainties, from a table or a surface"},
