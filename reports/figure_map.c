@@ -119,3 +119,12 @@ void dif_figure_map(const dif_picture *picture, const json_t *map, bool is_level
         write_bar(map, prefix, html);
     fputs("</svg>\n", html);
 }
+
+void dif_figure_small_map(const dif_picture *picture, const char *label, const char *prefix, FILE *html)
+{
+    fputs("<svg role=\"img\" aria-label=\"BRDF map, ", html);
+    dif_html_text(html, label);
+    fputs("\" viewBox=\"0 0 150 150\">\n", html);
+    write_disc(picture, prefix, 75.0, 75.0, 73.0, html);
+    fputs("</svg>\n", html);
+}

@@ -34,4 +34,7 @@ DIF_MUST_USE dif_status dif_figure_lines(const dif_result *result, const char *p
  * luminance. `map` is the result's object of that name. */
 void dif_figure_map(const dif_picture *picture, const json_t *map, bool is_level, const char *prefix, FILE *html);
 
+/* The same small, without rings; `label` is for those who cannot see it. */
+void dif_figure_small_map(const dif_picture *picture, const char *label, const char *prefix, FILE *html);
+
 #endif

@@ -8,10 +8,10 @@
 /* Sections of a surface as the contents name them, and the part of the result that a section needs, if it may lack. */
 static const struct {
     const char *id, *name, *needs;
-} sections[] = {{"surface", "surface", NULL},      {"table", "response table", NULL}, {"period", "period", NULL},
-                {"lines", "lines", NULL},          {"map", "BRDF map", "map"},        {"methods", "methods", "methods"},
-                {"accuracy", "accuracy", NULL},    {"energy", "energy", NULL},        {"trust", "trust", NULL},
-                {"provenance", "provenance", NULL}};
+} sections[] = {{"surface", "surface", NULL},   {"table", "response table", NULL}, {"period", "period", NULL},
+                {"lines", "lines", NULL},       {"map", "BRDF map", "map"},        {"methods", "methods", "methods"},
+                {"accuracy", "accuracy", NULL}, {"energy", "energy", NULL},        {"trust", "trust", NULL},
+                {"study", "studies", "study"},  {"provenance", "provenance", NULL}};
 
 void dif_page_verdict(FILE *html, const json_t *verdict)
 {
@@ -115,6 +115,8 @@ static void write_contents(FILE *html, const json_t *docs)
         }
         fputs("</ol></li>\n", html);
     }
+    if (dif_page_has_published(docs))
+        fputs("<li><a href=\"#published\">Beside the source’s published periods</a></li>\n", html);
     fputs("<li><a href=\"#conventions\">Conventions</a></li>\n"
           "<li><a href=\"#provenance\">Provenance of this report</a></li>\n</ol></nav>\n",
           html);

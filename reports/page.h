@@ -13,6 +13,9 @@ const char *dif_page_style(void);
 /* docs: array of the surfaces' result objects. */
 void dif_page_head(FILE *html, const json_t *list, const json_t *docs);
 DIF_MUST_USE dif_status dif_page_surface(FILE *html, int number, const dif_result *result, dif_error *err);
+/* Found periods beside the source's; nothing where no surface was studied. */
+bool dif_page_has_published(const json_t *docs);
+void dif_page_published(FILE *html, const json_t *list, const json_t *docs);
 void dif_page_tail(FILE *html, const json_t *list);
 
 /* A table of an object's texts and numbers, key by key. */

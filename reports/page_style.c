@@ -32,6 +32,8 @@ static const char style[] =
     "svg text,svg tspan{font-family:inherit}\n"
     ".pair{display:grid;grid-template-columns:1fr 1fr;gap:1.6rem;align-items:start}\n"
     ".pair>*{min-width:0}\n"
+    ".six{display:grid;grid-template-columns:repeat(6,1fr);gap:.9rem;align-items:start}\n"
+    ".six>*{min-width:0;margin:0 0 .6rem}p.row{margin:1rem 0 .4rem}\n"
     ".v{white-space:nowrap}\n"
     ".v b{font-weight:600}\n"
     ".pass b{color:#0b6aa8}.fail b{color:#c24d00}.none b{color:#6b757f}\n"

@@ -154,6 +154,9 @@ dif_status dif_page_surface(FILE *html, int number, const dif_result *result, di
     fprintf(html, "<h3 id=\"s%d-trust\">How far to trust it</h3>\n", number);
     dif_part_trust(html, doc);
     dif_part_timings(html, doc);
+    status = dif_part_study(html, number, result, err);
+    if (status != DIF_OK)
+        return status;
     fprintf(html, "<h3 id=\"s%d-provenance\">Provenance</h3>\n", number);
     dif_page_provenance(html, dif_result_at(doc, "provenance"));
     fputs("</section>\n", html);

@@ -57,6 +57,7 @@ static dif_status write_page(const char *folder, const json_t *list, const json_
             break;
     }
     if (status == DIF_OK) {
+        dif_page_published(out.stream, list, docs);
         dif_page_tail(out.stream, list);
         return dif_outfile_commit(&out, err);
     }

@@ -5,7 +5,10 @@
  *   NAME.height.exr     the heightfield            NAME.table.exr, NAME.table.csv   the response table
  *   NAME.maxima.csv     DIF_RESULT_MAXIMA columns  NAME.lines.csv                   DIF_RESULT_LINES columns
  *   NAME.map.png, NAME.map-level.png               the BRDF map's colours and its luminance, if it was measured
+ *   NAME.map.exr                                   its numbers, for others
+ *   NAME.study-I-K.png                             picture K of study I, if studies were asked for
  *
+ * "map", "methods" and "study" are parts of NAME.json that may be absent.
  * Numbers that do not exist are null. Files are named relative to the folder and may not leave it.
  * Does not: compute results. */
 #ifndef DIF_RESULT_H

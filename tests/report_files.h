@@ -134,15 +134,39 @@ static inline void report_add_parts(json_t *doc)
     json_object_set_new(json_object_get(doc, "files"), "map_level", json_string("a.map-level.png"));
 }
 
+/* Adds a study with one row of two pictures and periods beside published ones. */
+static inline void report_add_study(json_t *doc)
+{
+    static const char text[] =
+        "{\"study\": {\"theta_i_deg\": 30, \"lambda_nm_step\": 5, \"rows\": [{\"title\": \"Step <x>\", \"text\": \"a & "
+        "b\","
+        "  \"items\": [{\"label\": \"1 nm\", \"picture\": \"a.study-1-1.png\", \"de_median\": 0, \"de_p95\": 0, "
+        "\"de_worst\": 0},"
+        "   {\"label\": \"<5> nm\", \"picture\": \"a.study-1-2.png\", \"de_median\": 0.77, \"de_p95\": 8.1, "
+        "\"de_worst\": 33}]}],"
+        " \"published\": {\"stand_in\": true, \"full_nm\": 1144.262, \"full_sd_nm\": null, \"nmm_nm\": 1144.179,"
+        "  \"pq_nm\": 1052.308, \"sides\": [{\"azimuth_deg\": 180, \"thesis_nm\": 1143.82, \"thesis_sd_nm\": 0.32,"
+        "  \"right_nm\": 1126.81, \"right_sd_nm\": 0.71, \"nmm_nm\": 1120.7, \"pq_nm\": null}]}}}";
+    json_error_t why;
+    json_t *parts = json_loads(text, JSON_REJECT_DUPLICATES, &why);
+    if (!parts)
+        fail_msg("test study: line %d column %d: %s", why.line, why.column, why.text);
+    json_object_update(doc, parts);
+    json_decref(parts);
+}
+
 /* Writes them all. */
 static inline void report_write_parts(const char *folder)
 {
     json_t *doc = report_doc();
     report_add_parts(doc);
+    report_add_study(doc);
     report_write_doc(folder, "a.json", doc);
     json_decref(doc);
     report_write_png(folder, "a.map.png", 16);
     report_write_png(folder, "a.map-level.png", 16);
+    report_write_png(folder, "a.study-1-1.png", 9);
+    report_write_png(folder, "a.study-1-2.png", 9);
 }
 
 static inline void report_make_field(dif_field *field)

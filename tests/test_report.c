@@ -111,7 +111,7 @@ static void test_build__page_with_all_parts_is_well_formed(void **state)
     build();
     char *page = report_read(folder, "index.html");
     assert_well_formed(page);
-    static const char *const ids[] = {"s1-map", "s1-methods"};
+    static const char *const ids[] = {"s1-map", "s1-methods", "s1-study", "published"};
     char text[64];
     for (size_t i = 0; i < sizeof ids / sizeof *ids; i++) {
         snprintf(text, sizeof text, "id=\"%s\"", ids[i]);
@@ -122,7 +122,21 @@ static void test_build__page_with_all_parts_is_well_formed(void **state)
     int n_svg = 0;
     for (const char *at = page; (at = strstr(at, "<svg ")); at++)
         n_svg++;
-    assert_int_equal(n_svg, 7);
+    assert_int_equal(n_svg, 9);
+    static const char *const texts[] = {"Step &lt;x&gt;",
+                                        "a &amp; b",
+                                        "&lt;5&gt; nm",
+                                        "ΔE 0.77, 95 %: 8.1",
+                                        "worst 33",
+                                        "1144.262 nm",
+                                        "1143.820 nm<br><small>sd 0.32 nm</small>",
+                                        "1126.810 nm",
+                                        "1052.308 nm",
+                                        "a synthetic stand-in"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        if (!strstr(page, texts[i]))
+            fail_msg("\"%s\" is not on the page", texts[i]);
+    }
     dif_release(page);
 }
 
@@ -134,6 +148,8 @@ static void test_build__parts_left_out_leave_no_trace(void **state)
     assert_null(strstr(page, "-map\""));
     assert_null(strstr(page, "-methods\""));
     assert_null(strstr(page, "Methods compared"));
+    assert_null(strstr(page, "-study\""));
+    assert_null(strstr(page, "\"published\""));
     dif_release(page);
 }
 
@@ -367,6 +383,8 @@ static void test_build__broken_files_leave_the_old_page(void **state)
     assert_build_fails(DIF_ERR_IO, "a.maxima.csv");
     report_write_parts(folder);
     report_write_text(folder, "a.maxima.csv", DIF_RESULT_MAXIMA_HEADER "\n");
+    report_write_text(folder, "a.study-1-2.png", "");
+    assert_build_fails(DIF_ERR_FORMAT, "a.study-1-2.png: not a PNG picture");
     report_write_text(folder, "a.map-level.png", "\x89PNG");
     assert_build_fails(DIF_ERR_FORMAT, "a.map-level.png: not a PNG picture");
     snprintf(path, sizeof path, "%s/a.map.png", folder);

@@ -33,7 +33,7 @@ typedef struct report_args {
     dif_cli_measure measure;
     double theta_i_deg, theta_r_deg, azimuth_deg;
     dif_range angle_deg, lambda_nm;
-    bool no_map, no_methods;
+    bool no_map, no_methods, study;
     const char *out, *rebuild;
 } report_args;
 
@@ -56,6 +56,8 @@ static void add_options(dif_cli *cli, report_args *args)
         {"Parts", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
         {"no-map", DIF_OPT_FLAG, &args->no_map, NULL, NULL, "leave out the BRDF maps", NULL},
         {"no-methods", DIF_OPT_FLAG, &args->no_methods, NULL, NULL, "leave out the comparison of methods", NULL},
+        {"study", DIF_OPT_FLAG, &args->study, NULL, NULL,
+         "add studies of wavelength step, coherence, series and incidence, and published periods (minutes)", NULL},
     };
     dif_cli_add(cli, opts, DIF_COUNT(opts));
     dif_cli_add_measure(cli, &args->measure, false);
@@ -200,7 +202,10 @@ static dif_status choose_plane(const report_args *args, dif_report_job *job, dou
 static dif_status load(const dif_cli *cli, const report_args *args, int i, dif_report_job *job, dif_error *err)
 {
     const bool built_in = cli->n_operand == 0;
-    *job = (dif_report_job){.tol = args->measure.tol, .want_map = !args->no_map, .want_methods = !args->no_methods};
+    *job = (dif_report_job){.tol = args->measure.tol,
+                            .want_map = !args->no_map,
+                            .want_methods = !args->no_methods,
+                            .want_study = args->study};
     dif_status status = built_in ? load_fixture(cli, i, job, err) : load_file(cli, args, i, job, err);
     if (status)
         return status;
@@ -266,8 +271,20 @@ static dif_status write_list(const dif_cli *cli, const report_args *args, json_t
     dif_status status = dif_cli_manifest(cli, NULL, &manifest, err);
     if (status)
         return status;
+    dif_report_period_found bitmap = {0};
+    if (args->study)
+        status = dif_report_source_bitmap(&bitmap, err);
+    if (status) {
+        dif_manifest_free(&manifest);
+        return status;
+    }
     json_t *list = json_pack("{s:s, s:s, s:o, s:O}", "schema", DIF_RESULT_LIST_SCHEMA, "title",
                              "Diffraction bench report", "provenance", dif_json_manifest(&manifest), "surfaces", names);
+    if (list && args->study)
+        json_object_set_new(list, "source_bitmap",
+                            json_pack("{s:f, s:f, s:o, s:o}", "full_nm", 2499.997, "full_sd_nm", 0.377, "thesis_nm",
+                                      dif_json_number(dif_nm_from_um(bitmap.mean_um)), "thesis_sd_nm",
+                                      dif_json_number(dif_nm_from_um(bitmap.sd_um))));
     status = list ? dif_report_write_json(args->out, "results.json", list, err)
                   : dif_fail(err, DIF_ERR_NOMEM, "list of surfaces");
     json_decref(list);

@@ -11,6 +11,7 @@
 #include "bench/map.h"
 #include "bench/maxima.h"
 #include "bench/measure.h"
+#include "bench/scan.h"
 #include "core/colour.h"
 #include "core/grating.h"
 #include "core/io/manifest.h"
@@ -30,10 +31,10 @@ typedef struct dif_report_job {
     bool is_grating;  /* all ridges are orders of one period; false: each has its own, as on a scan       */
     bool has_grating; /* the surface is this grating: closed forms apply                        */
     dif_grating grating;
-    double known_period_um;      /* NaN = unknown                                                       */
-    bool known_exact;            /* false: a guide only (irregular rows)                                */
-    bool want_map, want_methods; /* parts that can be left out                                    */
-    dif_manifest provenance;     /* owned                                                              */
+    double known_period_um;                  /* NaN = unknown                                                       */
+    bool known_exact;                        /* false: a guide only (irregular rows)                                */
+    bool want_map, want_methods, want_study; /* parts that can be left out                        */
+    dif_manifest provenance;                 /* owned                                                              */
 } dif_report_job;
 
 void dif_report_job_free(dif_report_job *job);
@@ -72,6 +73,40 @@ typedef struct dif_report_methods_data {
     double n_cell, angle_min_deg, angle_max_deg, colour_max_deg, colour_step_deg, colour_step_nm;
 } dif_report_methods_data;
 
+enum { DIF_REPORT_STUDY_ROWS = 4, DIF_REPORT_STUDY_MAX = 6 };
+
+/* One picture of a study; differences NaN = nothing to compare with. */
+typedef struct dif_report_study_item {
+    char label[48];
+    dif_map map; /* owned */
+    double exposure, de_median, de_p95, de_worst;
+} dif_report_study_item;
+
+typedef struct dif_report_study_row {
+    const char *title, *text;
+    int n;
+    dif_report_study_item item[DIF_REPORT_STUDY_MAX];
+} dif_report_study_row;
+
+/* Mean of lambda / |sin sum| at each wavelength's largest value, and standard deviation; NaN = none. */
+typedef struct dif_report_period_found {
+    double mean_um, sd_um;
+} dif_report_period_found;
+
+/* Lit from one side under the source's conditions: by its program, put right, with few wavelengths, replicated. */
+typedef struct dif_report_side {
+    double azimuth_deg;
+    dif_report_period_found thesis, right, nmm, pq;
+} dif_report_side;
+
+/* The source's studies; n_row 0 = not made. */
+typedef struct dif_report_study {
+    int n_row;
+    dif_report_study_row row[DIF_REPORT_STUDY_ROWS];
+    int n_side;
+    dif_report_side side[2];
+} dif_report_study;
+
 /* What was measured. */
 typedef struct dif_report_data {
     dif_field_stats field;
@@ -96,6 +131,7 @@ typedef struct dif_report_data {
     dif_report_energy energy[DIF_REPORT_ENERGY_MAX];
     dif_report_map_data map;
     dif_report_methods_data methods;
+    dif_report_study study; /* owned */
     int n_stage;
     dif_report_stage stage[DIF_REPORT_STAGE_MAX];
 } dif_report_data;
@@ -138,6 +174,20 @@ DIF_MUST_USE dif_status dif_report_map_write_exr(const char *path, const dif_rep
 DIF_MUST_USE dif_status dif_report_map(const dif_report_job *job, dif_report_data *data, dif_error *err);
 DIF_MUST_USE dif_status dif_report_methods(const dif_report_job *job, dif_report_data *data, dif_error *err);
 
+/* The source's studies: pictures, and periods beside its published ones. */
+DIF_MUST_USE dif_status dif_report_study_make(const dif_report_job *job, dif_report_data *data, dif_error *err);
+DIF_MUST_USE dif_status dif_report_study_write(const char *folder, const dif_report_job *job,
+                                               const dif_report_study *study, dif_error *err);
+void dif_report_study_free(dif_report_study *study);
+DIF_MUST_USE dif_status dif_report_published(const dif_report_job *job, dif_report_data *data, dif_error *err);
+
+/* The source's program on the source's own blazed bitmap: 200 x 200 samples, one period of 2500 nm. */
+DIF_MUST_USE dif_status dif_report_source_bitmap(dif_report_period_found *out, dif_error *err);
+
+/* Angles of the first order of a period between two wavelengths, with a margin; false if it is not seen. */
+bool dif_report_first_order(double fixed_rad, double lambda_min_um, double lambda_max_um, double period_um,
+                            double step_deg, dif_range *angle_deg);
+
 /* The period that pq and stam are given: of the table's fit for a grating, else of the heights'. False = none. */
 bool dif_report_period(const dif_report_job *job, const dif_report_data *data, double *period_um, double *psi_rad);
 
@@ -161,6 +211,8 @@ json_t *dif_report_fit_surface_json(const dif_report_data *data);
 json_t *dif_report_maxima_json(const dif_report_data *data);
 json_t *dif_report_map_json(const dif_report_data *data);
 json_t *dif_report_methods_json(const dif_report_data *data);
+json_t *dif_report_study_json(const dif_report_job *job, const dif_report_data *data);
+json_t *dif_report_published_json(const dif_report_job *job, const dif_report_data *data);
 
 /* The surface's result object; timings are left out if SOURCE_DATE_EPOCH is set, because they differ from run to run.
  * *outside is set if a verdict failed. NULL = out of memory. */

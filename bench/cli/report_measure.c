@@ -347,6 +347,11 @@ dif_status dif_report_measure(const dif_report_job *job, dif_report_data *out, d
         status = dif_report_methods(job, out, err);
         add_stage_since(out, "comparison of methods", start);
     }
+    start = now();
+    if (status == DIF_OK && job->want_study) {
+        status = dif_report_study_make(job, out, err);
+        add_stage_since(out, "studies", start);
+    }
     if (status != DIF_OK)
         dif_report_data_free(out);
     return status;
@@ -360,6 +365,7 @@ void dif_report_data_free(dif_report_data *data)
     dif_maxima_free(&data->maxima);
     dif_maxima_free(&data->on_line);
     dif_map_free(&data->map.map);
+    dif_report_study_free(&data->study);
     dif_release(data->line);
     *data = (dif_report_data){0};
 }

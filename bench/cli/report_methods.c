@@ -23,18 +23,18 @@ bool dif_report_period(const dif_report_job *job, const dif_report_data *data, d
     return (by_table || data->surface_status == DIF_OK) && *period_um > 0.0;
 }
 
-/* Angles at which the first order of a period is seen, with a margin; false if it is not. */
-static bool first_order_angles(const dif_plan *plan, double period_um, dif_range *angle_deg)
+bool dif_report_first_order(double fixed_rad, double lambda_min_um, double lambda_max_um, double period_um,
+                            double step_deg, dif_range *angle_deg)
 {
-    const double side = plan->fixed_rad < 0.0 ? -1.0 : 1.0, limit = sin(dif_rad_from_deg(angle_max_deg));
-    const double a = (1.0 - margin) * plan->lambda_um[0] / period_um - fabs(sin(plan->fixed_rad));
-    const double b = (1.0 + margin) * plan->lambda_um[plan->n_lambda - 1] / period_um - fabs(sin(plan->fixed_rad));
+    const double side = fixed_rad < 0.0 ? -1.0 : 1.0, limit = sin(dif_rad_from_deg(angle_max_deg));
+    const double a = (1.0 - margin) * lambda_min_um / period_um - fabs(sin(fixed_rad));
+    const double b = (1.0 + margin) * lambda_max_um / period_um - fabs(sin(fixed_rad));
     if (!(a < limit && b > -limit))
         return false;
     const double at[2] = {dif_deg_from_rad(asin(fmax(a, -limit))), dif_deg_from_rad(asin(fmin(b, limit)))};
-    const int n = (int)ceil((at[1] - at[0]) / angle_step_deg) + 1;
-    const double first = angle_step_deg * floor((side > 0.0 ? at[0] : -at[1]) / angle_step_deg);
-    *angle_deg = (dif_range){first, first + (n - 1) * angle_step_deg, angle_step_deg, n};
+    const int n = (int)ceil((at[1] - at[0]) / step_deg) + 1;
+    const double first = step_deg * floor((side > 0.0 ? at[0] : -at[1]) / step_deg);
+    *angle_deg = (dif_range){first, first + (n - 1) * step_deg, step_deg, n};
     return n > 2;
 }
 
@@ -55,7 +55,9 @@ dif_status dif_report_methods(const dif_report_job *job, dif_report_data *data, 
         out->period_um = NAN;
     }
     const double along = isnan(out->period_um) ? 0.0 : fabs(cos(psi_rad - whole->azimuth_rad));
-    out->first_order = along > 0.1 && first_order_angles(whole, out->period_um / along, &angle_deg);
+    out->first_order = along > 0.1 && dif_report_first_order(whole->fixed_rad, whole->lambda_um[0],
+                                                             whole->lambda_um[whole->n_lambda - 1],
+                                                             out->period_um / along, angle_step_deg, &angle_deg);
     dif_status status;
     if (out->first_order) {
         const int nl = whole->n_lambda;

@@ -128,5 +128,7 @@ dif_status dif_report_write(const char *folder, const dif_report_job *job, const
         status = write_lines(path, job, data, err);
     if (status == DIF_OK && data->map.map.n_pixel > 0)
         status = write_map(folder, job, data, err);
+    if (status == DIF_OK)
+        status = dif_report_study_write(folder, job, &data->study, err);
     return status == DIF_OK ? write_doc(folder, job, data, outside, err) : status;
 }
