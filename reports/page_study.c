@@ -105,8 +105,9 @@ static void write_sides(FILE *html, const json_t *doc)
         cell(html, side, "thesis_nm", "thesis_sd_nm");
         cell(html, side, "right_nm", "right_sd_nm");
         if (i == 0) {
-            dif_html_uncertain(dif_result_number(doc, "fit_table.period_nm"), dif_result_number(doc, "fit_table.u_nm"),
-                               "nm", text);
+            const bool fitted = dif_result_true(published, "same_plane"); /* else the table is of other lines */
+            dif_html_uncertain(fitted ? dif_result_number(doc, "fit_table.period_nm") : (double)NAN,
+                               dif_result_number(doc, "fit_table.u_nm"), "nm", text);
             fprintf(html, "<td class=\"n\" rowspan=\"%zu\">%s</td>", n, text);
         }
         cell(html, published, "nmm_nm", NULL);

@@ -13,9 +13,10 @@
 static const struct {
     const char *name; /* part of the surface's file name */
     double full_nm, full_sd_nm, nmm_nm, pq_nm, angle_min_deg, angle_max_deg;
-} PUBLISHED[] = {{"blazed", 2499.997, 0.377, (double)NAN, 2502.428, -55.0, -40.0},
-                 {"elaphe", 1144.262, (double)NAN, 1144.179, 1052.308, -40.0, -15.0},
-                 {"xenopeltis", 1552.27, (double)NAN, (double)NAN, (double)NAN, -50.0, -25.0}};
+    double azimuth_deg; /* NaN = across the grooves */
+} PUBLISHED[] = {{"blazed", 2499.997, 0.377, (double)NAN, 2502.428, -55.0, -40.0, (double)NAN},
+                 {"elaphe", 1144.262, (double)NAN, 1144.179, 1052.308, -40.0, -15.0, 180.0},
+                 {"xenopeltis", 1552.27, (double)NAN, (double)NAN, (double)NAN, -50.0, -25.0, 90.0}};
 
 static const double source_sigma_um = 16.25, source_theta_deg = 75.0, step_deg = 0.01;
 
@@ -74,8 +75,13 @@ dif_status dif_report_published(const dif_report_job *job, dif_report_data *data
     dif_range angle_deg;
     double period_um, psi_rad;
     const int known = published_of(job);
-    if (!dif_report_period(job, data, &period_um, &psi_rad))
+    const bool has_period = dif_report_period(job, data, &period_um, &psi_rad);
+    if (known < 0 && !has_period)
         return DIF_OK;
+    /* the source lights along the axes of its scans */
+    double azimuth_deg = known >= 0 ? PUBLISHED[known].azimuth_deg : (double)NAN;
+    if (isnan(azimuth_deg))
+        azimuth_deg = 90.0 * rint(dif_deg_from_rad(psi_rad) / 90.0);
     if (known >= 0) {
         const double a = PUBLISHED[known].angle_min_deg, b = PUBLISHED[known].angle_max_deg;
         angle_deg = (dif_range){a, b, step_deg, (int)rint((b - a) / step_deg) + 1};
@@ -86,11 +92,11 @@ dif_status dif_report_published(const dif_report_job *job, dif_report_data *data
     opts.window = DIF_WINDOW_GAUSS;
     opts.average = DIF_AVERAGE_NONE;
     opts.sigma_um = source_sigma_um;
-    opts.period_um = period_um;
+    /* a period across the plane of incidence, of another structure, is none to replicate here */
+    const bool along = has_period && fabs(cos(psi_rad - dif_rad_from_deg(azimuth_deg))) > 0.7;
+    opts.period_um = along ? period_um : (double)NAN;
     opts.psi_rad = psi_rad;
     opts.progress = NULL;
-    /* the source lights along the axes of its scans */
-    const double azimuth_deg = 90.0 * rint(dif_deg_from_rad(psi_rad) / 90.0);
     dif_status status = DIF_OK;
     for (int i = 0; i < 2 && status == DIF_OK; i++) {
         status = measure_side(&job->field, fmod(azimuth_deg + 180.0 * i + 360.0, 360.0), &angle_deg, &opts,
@@ -140,8 +146,10 @@ json_t *dif_report_published_json(const dif_report_job *job, const dif_report_da
         json_array_append_new(sides, side_json(&data->study.side[i]));
     const bool stand_in = isfinite(job->known_period_um) && !job->has_grating;
     const double none = (double)NAN;
-    return json_pack("{s:b, s:o, s:o, s:o, s:o, s:o}", "stand_in", (int)stand_in, "full_nm",
-                     dif_json_number(known < 0 ? none : PUBLISHED[known].full_nm), "full_sd_nm",
+    const bool same_plane = data->study.n_side > 0 &&
+                            fabs(cos(dif_rad_from_deg(data->study.side[0].azimuth_deg) - job->plan.azimuth_rad)) > 0.99;
+    return json_pack("{s:b, s:b, s:o, s:o, s:o, s:o, s:o}", "stand_in", (int)stand_in, "same_plane", (int)same_plane,
+                     "full_nm", dif_json_number(known < 0 ? none : PUBLISHED[known].full_nm), "full_sd_nm",
                      dif_json_number(known < 0 ? none : PUBLISHED[known].full_sd_nm), "nmm_nm",
                      dif_json_number(known < 0 ? none : PUBLISHED[known].nmm_nm), "pq_nm",
                      dif_json_number(known < 0 ? none : PUBLISHED[known].pq_nm), "sides", sides);
