@@ -114,7 +114,9 @@ dif_status dif_exr_open(const dif_source *source, dif_exr **out, dif_error *err)
         return dif_fail(err, DIF_ERR_NOMEM, "%s: EXR reader", source->name);
     exr->source = *source;
     const exr_result_t code = start_read(exr);
-    dif_status status = code == EXR_ERR_SUCCESS ? DIF_OK : dif_exr_fail(exr, code, "EXR header", err);
+    /* The library drops an attribute that finds no memory and says nothing but this. */
+    const bool ok = code == EXR_ERR_SUCCESS && !exr->no_memory;
+    dif_status status = ok ? DIF_OK : dif_exr_fail(exr, code, "EXR header", err);
     if (!status)
         status = check_part(exr, err);
     if (status) {

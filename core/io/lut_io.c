@@ -135,9 +135,12 @@ dif_status dif_lut_parse(const unsigned char *data, size_t n, const char *name, 
                          dif_error *err)
 {
     static const char *const SKIP[] = {NULL};
+    dif_manifest keys = {0};
     const dif_source source = dif_source_of(data, n, name);
     dif_exr *exr = NULL;
     *lut = (dif_lut){0};
+    if (manifest)
+        *manifest = keys;
     if (!dif_exr_is(&source))
         return dif_fail(err, DIF_ERR_FORMAT, "%s: not an EXR file, want a table that `lut` writes", source.name);
     dif_status status = dif_exr_open(&source, &exr, err);
@@ -146,11 +149,15 @@ dif_status dif_lut_parse(const unsigned char *data, size_t n, const char *name, 
     status = read_head(&source, exr, lut, err);
     if (!status)
         status = read_maps(&source, exr, lut, err);
-    if (!status)
-        status = dif_exr_take_manifest(exr, SKIP, manifest, err);
+    if (!status && manifest)
+        status = dif_exr_take_manifest(exr, SKIP, &keys, err);
     dif_exr_close(exr);
-    if (status)
+    if (status) {
         dif_lut_free(lut);
+        dif_manifest_free(&keys);
+    }
+    if (manifest)
+        *manifest = keys;
     return status;
 }
 
@@ -159,6 +166,8 @@ dif_status dif_lut_read(const char *path, dif_lut *lut, dif_manifest *manifest, 
     unsigned char *data = NULL;
     size_t n = 0;
     *lut = (dif_lut){0};
+    if (manifest)
+        *manifest = (dif_manifest){0};
     dif_status status = dif_file_read(path, FILE_MAX, &data, &n, err);
     if (!status)
         status = dif_lut_parse(data, n, path, lut, manifest, err);

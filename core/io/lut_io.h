@@ -18,7 +18,7 @@ extern "C" {
 DIF_MUST_USE dif_status dif_lut_write(const char *path, const dif_lut *lut, const dif_manifest *manifest,
                                       dif_error *err);
 
-/* Reads one: every number as it was written, to the last bit.
+/* Reads one: every number as it was written, to the last bit; *manifest (may be NULL) becomes its text attributes.
  *
  * Status    DIF_ERR_IO; DIF_ERR_FORMAT: no table, another version, wrong sizes or channels, truncated; DIF_ERR_NONFINITE;
  *           DIF_ERR_SIZE; DIF_ERR_NOMEM; *lut zeroed on failure

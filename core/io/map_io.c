@@ -230,9 +230,12 @@ dif_status dif_map_parse(const unsigned char *data, size_t n, const char *name, 
                          dif_manifest *manifest, dif_error *err)
 {
     static const char *const SKIP[] = {NULL};
+    dif_manifest keys = {0};
     const dif_source source = dif_source_of(data, n, name);
     dif_exr *exr = NULL;
     *map = (dif_map_image){0};
+    if (manifest)
+        *manifest = keys;
     if (!dif_exr_is(&source))
         return dif_fail(err, DIF_ERR_FORMAT, "%s: not an EXR file, want a map of diffbench", source.name);
     dif_status status = dif_exr_open(&source, &exr, err);
@@ -243,11 +246,15 @@ dif_status dif_map_parse(const unsigned char *data, size_t n, const char *name, 
         status = read_lambdas(&source, exr, map, err);
     if (!status)
         status = read_pixels(&source, exr, map, err);
-    if (!status)
-        status = dif_exr_take_manifest(exr, SKIP, manifest, err);
+    if (!status && manifest)
+        status = dif_exr_take_manifest(exr, SKIP, &keys, err);
     dif_exr_close(exr);
-    if (status)
+    if (status) {
         dif_map_image_free(map);
+        dif_manifest_free(&keys);
+    }
+    if (manifest)
+        *manifest = keys;
     return status;
 }
 
@@ -256,6 +263,8 @@ dif_status dif_map_read(const char *path, dif_map_image *map, dif_manifest *mani
     unsigned char *data = NULL;
     size_t n = 0;
     *map = (dif_map_image){0};
+    if (manifest)
+        *manifest = (dif_manifest){0};
     dif_status status = dif_file_read(path, FILE_MAX, &data, &n, err);
     if (!status)
         status = dif_map_parse(data, n, path, map, manifest, err);

@@ -31,7 +31,7 @@ typedef struct dif_map_image {
 DIF_MUST_USE dif_status dif_map_write(const char *path, const dif_map_image *map, double exposure,
                                       const dif_manifest *manifest, dif_error *err);
 
-/* Reads such a file; the manifest gets all its text attributes.
+/* Reads such a file; *manifest (may be NULL) becomes its text attributes "diffbench.KEY".
  * Status    DIF_ERR_IO, DIF_ERR_FORMAT (no map, another version, damaged), DIF_ERR_NONFINITE, DIF_ERR_SIZE,
  *           DIF_ERR_NOMEM; *map zeroed on failure
  * Owns      the caller frees with dif_map_image_free */

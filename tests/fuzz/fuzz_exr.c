@@ -1,4 +1,6 @@
-/* EXR attributes and pixels, as a heightfield and as a table. */
+/* EXR attributes and pixels, as a heightfield, as a table, as a map and as an integrated table. */
+#include "core/io/lut_io.h"
+#include "core/io/map_io.h"
 #include "core/io/table_io.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -18,6 +20,32 @@ static void read_table(const unsigned char *file, size_t n)
     dif_manifest_free(&manifest);
 }
 
+static void read_map(const unsigned char *file, size_t n)
+{
+    dif_map_image map;
+    dif_manifest manifest;
+    dif_error err = {0};
+    if (dif_map_parse(file, n, "input", &map, &manifest, &err))
+        FUZZ_PROMISE(strncmp(err.text, "input: ", 7) == 0 && !map.xyz && !map.layer && !map.lambda_um &&
+                     !manifest.item);
+    dif_map_image_free(&map);
+    dif_manifest_free(&manifest);
+}
+
+static void read_lut(const unsigned char *file, size_t n)
+{
+    dif_lut lut;
+    dif_manifest manifest;
+    dif_error err = {0};
+    double xyz[3];
+    if (dif_lut_parse(file, n, "input", &lut, &manifest, &err))
+        FUZZ_PROMISE(strncmp(err.text, "input: ", 7) == 0 && !lut.coef && !manifest.item);
+    else
+        dif_lut_eval(&lut, 0.3, -0.7, -1.1, xyz);
+    dif_lut_free(&lut);
+    dif_manifest_free(&manifest);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n)
 {
     static const unsigned char MAGIC[] = {0x76, 0x2f, 0x31, 0x01};
@@ -34,6 +62,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n)
     (void)!fuzz_field(file, sizeof MAGIC + n - 1, &request, &field);
     dif_field_file_free(&field);
     read_table(file, sizeof MAGIC + n - 1);
+    read_map(file, sizeof MAGIC + n - 1);
+    read_lut(file, sizeof MAGIC + n - 1);
     free(file);
     return 0;
 }
