@@ -82,7 +82,7 @@ static dif_status encode(const dif_map_image *map, double exposure, const dif_ma
         {map->fixed_is_wo ? ATTRIBUTE("phi_r_deg") : ATTRIBUTE("phi_i_deg"), phi, 0.0},
         {ATTRIBUTE("quantity"), dif_quantity_name(map->quantity), 0.0},
         {ATTRIBUTE("quantity_unit"), dif_quantity_unit(map->quantity), 0.0},
-        {ATTRIBUTE("lambda_nm"), lambdas, 0.0},
+        {ATTRIBUTE("wavelengths_nm"), lambdas, 0.0},
         {ATTRIBUTE("colour"), "X, Y, Z: CIE 1931 2 deg, D65, Y = 1 for quantity = 1; R, G, B: linear sRGB, not clipped",
          0.0},
         {ATTRIBUTE("exposure"), light, 0.0},
@@ -171,13 +171,13 @@ static dif_status read_head(const dif_source *source, const dif_exr *exr, dif_ma
 /* The wavelengths: as many as the attribute holds. */
 static dif_status read_lambdas(const dif_source *source, const dif_exr *exr, dif_map_image *map, dif_error *err)
 {
-    const char *text = dif_exr_text(exr, ATTRIBUTE("lambda_nm"));
+    const char *text = dif_exr_text(exr, ATTRIBUTE("wavelengths_nm"));
     for (const char *at = text; at && *at; at++)
         map->n_lambda += *at != ' ' && (at == text || at[-1] == ' ');
     map->lambda_um = dif_alloc((size_t)map->n_lambda, sizeof *map->lambda_um);
     if (!map->lambda_um)
         return dif_fail(err, DIF_ERR_NOMEM, "%s: %d wavelengths", source->name, map->n_lambda);
-    return dif_axis_read(source, exr, ATTRIBUTE("lambda_nm"), map->n_lambda, dif_um_from_nm, map->lambda_um, err);
+    return dif_axis_read(source, exr, ATTRIBUTE("wavelengths_nm"), map->n_lambda, dif_um_from_nm, map->lambda_um, err);
 }
 
 static dif_status check_finite(const dif_source *source, const dif_map_image *map, dif_error *err)
