@@ -164,7 +164,7 @@ static void test_parse__damaged_maps_are_refused(void **state)
         {"diffbench.map_version", "7", "f.exr: map of version 7, want 1"},
         {"diffbench.theta_i_deg", "90", "f.exr: map without a fixed direction"},
         {"diffbench.quantity", "bard", "f.exr: map of 'bard', want power, rho or brdf"},
-        {"diffbench.wavelengths_nm", "x", "f.exr: diffbench.lambda_nm holds less than 2 numbers"},
+        {"diffbench.wavelengths_nm", "x", "f.exr: diffbench.wavelengths_nm holds less than 2 numbers"},
         {"diffbench.wavelengths_nm", "381", "f.exr: no channel 'T.381,000000nm'"},
     };
     dif_map_image map = make_map(16, 2, true);
