@@ -37,23 +37,6 @@ ok "no map" [ ! -e less/a-b.map.png ]
 ok "not on the page" bash -c '! grep -q "BRDF map\|Methods compared" less/index.html'
 ok "but there with it" bash -c '[ $(grep -c "<h3 id=\"s1-\(map\|methods\)\"" page/index.html) -eq 2 ]'
 
-# the studies, small
-run 0 fixture blazed --pixels 96 --size-um 12 --out blazed.gsf
-run 0 report --quiet --out studied --study --no-map --no-methods $small --sigma-um 2 blazed.gsf
-ok "a section" grep -q '<h3 id="s1-study">' studied/index.html
-ok "published periods" grep -q '<h2 id="published">' studied/index.html
-ok "21 pictures" [ "$(ls studied/blazed.study-*.png | wc -l)" -eq 21 ]
-cp studied/report.json out
-near "rows" "$(json surfaces.0.study.rows#)" 4 0
-near "the finest step is its own reference" "$(json surfaces.0.study.rows.0.items.0.de_worst)" 0 0
-near "published" "$(json surfaces.0.study.published.full_nm)" 2499.997 0
-cp studied/results.json out
-near "the source's program on its bitmap" "$(json source_bitmap.thesis_nm)" 2499.997 0.001
-near "with its deviation" "$(json source_bitmap.thesis_sd_nm)" 0.377 0.001
-cp studied/index.html first-study.html
-run 0 report --rebuild studied
-ok "rebuilt the same" cmp -s studied/index.html first-study.html
-
 # the table of the report is the table of `table`
 run 0 table 'a<b>&.gsf' --theta-i-deg 75 $small --azimuth-deg 0 --layout matrix --out t.csv
 rows page/a-b.table.csv >a.rows
@@ -83,7 +66,7 @@ ok "no timings then" bash -c '! grep -q timings out'
 unset SOURCE_DATE_EPOCH
 
 # several surfaces keep apart
-run 0 report --out two $small 'a<b>&.gsf' 'a<b>&.gsf' --json
+run 0 report --out two --no-map --no-methods $small 'a<b>&.gsf' 'a<b>&.gsf' --json
 ok "the page is named" [ "$(json page)" = two/index.html ]
 ok "first" [ -s two/1-a-b.json ]
 ok "second" [ -s two/2-a-b.json ]
