@@ -294,6 +294,79 @@ static void test_resize__averages_areas(void **state)
     assert_int_equal(dif_image_resize(src, 6, 4, dst, 0, 2, &err), DIF_ERR_ARG);
 }
 
+enum { CANVAS = 60 };
+
+/* Pixels of a drawn mark that are lit, and where they lie on average. */
+static int draw_one(const dif_mark *mark, double *x, double *y)
+{
+    uint8_t rgb[CANVAS * CANVAS * 3] = {0};
+    int n = 0;
+    dif_error err;
+    assert_int_equal(dif_image_draw(rgb, CANVAS, CANVAS, 1, mark, &err), DIF_OK);
+    *x = *y = 0.0;
+    for (int i = 0; i < CANVAS * CANVAS; i++)
+        if (rgb[3 * i] > 100) {
+            n++;
+            *x += i % CANVAS;
+            *y += i / CANVAS;
+        }
+    *x /= n;
+    *y /= n;
+    return n;
+}
+
+static void test_draw__marks_lie_where_they_should(void **state)
+{
+    (void)state;
+    double x, y;
+    const dif_mark circle = {.kind = DIF_MARK_CIRCLE, .x = 30, .y = 20, .size = 15, .stroke = 1, .rgb = {255, 0, 0}};
+    const int n_circle = draw_one(&circle, &x, &y);
+    /* about 2 pi r pixels, smoothed: one or two wide; its middle to a twentieth of a pixel */
+    assert_in_range(n_circle, 70, 200);
+    assert_near(x, 30.0, 0.0, 0.05);
+    assert_near(y, 20.0, 0.0, 0.05);
+    const dif_mark line = {
+        .kind = DIF_MARK_LINE, .x = 10, .y = 10, .x1 = 50, .y1 = 30, .stroke = 1, .rgb = {255, 0, 0}};
+    assert_true(draw_one(&line, &x, &y) >= 40);
+    assert_near(x, 30.0, 0.0, 0.5);
+    assert_near(y, 20.0, 0.0, 0.5);
+    dif_mark text = {.kind = DIF_MARK_TEXT,
+                     .x = 30,
+                     .y = 30,
+                     .size = 10,
+                     .anchor_x = 0.5,
+                     .anchor_y = 0.5,
+                     .stroke = 1,
+                     .rgb = {255, 255, 255},
+                     .text = "H\xC2\xB0H"};
+    const int n_text = draw_one(&text, &x, &y);
+    assert_true(n_text > 30);
+    assert_near(x, 30.0, 0.0, 2.0);
+    assert_near(y, 30.0, 0.0, 2.0);
+    text.width_max = 12.0;
+    assert_true(draw_one(&text, &x, &y) < n_text);
+}
+
+static void test_draw__refuses_what_cannot_be_drawn(void **state)
+{
+    (void)state;
+    uint8_t rgb[3] = {0};
+    dif_error err;
+    const dif_mark good = {.kind = DIF_MARK_CIRCLE, .size = 1, .stroke = 1};
+    dif_mark bad[5] = {good, good, good, good, good};
+    bad[0].x = NAN;
+    bad[1].size = 0.0;
+    bad[2].stroke = 0;
+    bad[3].kind = DIF_MARK_TEXT; /* without text */
+    bad[4].y = 1e9;
+    assert_int_equal(dif_image_draw(rgb, 1, 1, 1, &good, &err), DIF_OK);
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(dif_image_draw(rgb, 1, 1, 1, bad + i, &err), DIF_ERR_ARG);
+        assert_string_equal(err.text, "mark 0 of a picture is not drawable");
+    }
+    assert_int_equal(dif_image_draw(NULL, 1, 1, 1, &good, &err), DIF_ERR_ARG);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -310,6 +383,8 @@ int main(void)
         cmocka_unit_test(test_colormap__ends_and_names),
         cmocka_unit_test(test_encode_png__is_a_whole_png_of_its_size),
         cmocka_unit_test(test_resize__averages_areas),
+        cmocka_unit_test(test_draw__marks_lie_where_they_should),
+        cmocka_unit_test(test_draw__refuses_what_cannot_be_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,8 +1,10 @@
 #include "bench/map.h"
 
 #include "alloc_count.h"
+#include "core/io/field_io.h"
 #include "core/spectrum.h"
 #include "core/units.h"
+#include "fixtures/surfaces.h"
 #include "rough.h"
 
 static const double LAMBDA_UM[] = {0.41, 0.5, 0.62};
@@ -145,6 +147,111 @@ static void test_measure__mirror_is_one_spot_of_the_windows_size(void **state)
     dif_field_free(&field);
 }
 
+/* Luminance-weighted spread (standard deviation) along x and y of the light between two distances from the mirror
+ * direction. */
+static void spread_of(const dif_map *map, const dif_map_plan *plan, double near_s, double far_s, double spread[2])
+{
+    double sum = 0.0, xx = 0.0, yy = 0.0;
+    const int n = map->n_pixel;
+    for (int i = 0; i < n * n; i++) {
+        dif_vec3 wo;
+        if (!dif_map_direction(n, i % n, i / n, &wo))
+            continue;
+        const double u = wo.x + plan->fixed.x, v = wo.y + plan->fixed.y, s = hypot(u, v);
+        const double value = s > near_s && s < far_s ? (double)map->xyz[3 * i + 1] : 0.0;
+        sum += value;
+        xx += value * u * u;
+        yy += value * v * v;
+    }
+    spread[0] = sqrt(xx / sum);
+    spread[1] = sqrt(yy / sum);
+}
+
+static void test_measure__measured_sheds_spread_across_their_ridges(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file;
+        double height_um;
+        int wide; /* along x or y */
+    } SCANS[] = {{"measured/elaphe_65um.png", 0.375, 0}, {"measured/xenopeltis_65um.png", 0.81869, 1}};
+    const char *folder = test_data_folder();
+    double lambda_um[21];
+    if (!folder)
+        skip();
+    for (int i = 0; i < 21; i++)
+        lambda_um[i] = dif_um_from_nm(380.0 + 20.0 * i);
+    for (int k = 0; k < 2; k++) {
+        char path[512];
+        dif_field_request request = dif_field_request_default();
+        dif_field_file file;
+        dif_error err;
+        double spread[2];
+        const dif_map_plan plan = {
+            .fixed = {0.0, 0.0, 1.0}, .n_pixel = 200, .n_lambda = 21, .lambda_um = lambda_um, .keep_layers = false};
+        request.size_um = 65.0;
+        request.height_um = SCANS[k].height_um;
+        snprintf(path, sizeof path, "%s/%s", folder, SCANS[k].file);
+        if (dif_field_read(path, &request, &file, &err) != DIF_OK) {
+            print_message("%s: skipping\n", err.text);
+            skip();
+        }
+        dif_map map = measure(&file.field, &plan, 1e-3, NULL);
+        /* outside the mirror's spot and inside the first orders of the ridges; finer structure scatters farther out */
+        spread_of(&map, &plan, 0.1, 0.7, spread);
+        print_message("%s: spread %.3f along x, %.3f along y\n", SCANS[k].file, spread[0], spread[1]);
+        assert_at_most(1.5 * spread[1 - SCANS[k].wide], spread[SCANS[k].wide]);
+        dif_map_free(&map);
+        dif_field_file_free(&file);
+    }
+}
+
+/* Orders of a blazed grating: peaks along its plane. */
+static void test_measure__blazed_orders_lie_on_the_grating_equation(void **state)
+{
+    (void)state;
+    enum { N = 601 };
+    dif_surface grating = dif_surface_default(DIF_SURFACE_BLAZED);
+    dif_measure_opts opts = dif_measure_opts_default();
+    dif_field field;
+    const double lambda_um[1] = {0.5}, period_um = 2.5, sin_i = 0.5;
+    const dif_map_plan plan = {.fixed = dif_vec3_from_angles_rad(asin(sin_i), 0.0),
+                               .n_pixel = N,
+                               .n_lambda = 1,
+                               .lambda_um = lambda_um,
+                               .keep_layers = true};
+    opts.quantity = DIF_QUANTITY_POWER;
+    opts.sigma_um = 5.0;
+    grating.period_um = period_um;
+    grating.height_um = 0.25;
+    grating.nx = grating.ny = 400;
+    grating.pitch_um = 0.1;
+    assert_int_equal(dif_surface_make(&grating, &field, NULL), DIF_OK);
+    dif_map map = measure(&field, &plan, 1e-5, &opts);
+    const float *row = map.layer + (size_t)N * (N / 2); /* N is odd: y = 0 */
+    int brightest = 0;
+    double peak[8] = {0.0};
+    for (int m = 0; m < 8; m++) {
+        const double x = (m - 2) * lambda_um[0] / period_um - sin_i; /* orders -2 ... 5, all between -0.9 and 0.5 */
+        double sum = 0.0, centre = 0.0;
+        for (int ix = 0; ix < N; ix++) {
+            const double at = (2.0 * ix + 1.0) / N - 1.0;
+            if (fabs(at - x) > 0.05)
+                continue;
+            sum += (double)row[ix];
+            centre += (double)row[ix] * at;
+            peak[m] = fmax(peak[m], (double)row[ix]);
+        }
+        if (peak[m] > 1e-3) /* weaker ones lie on the flanks of others */
+            assert_near(centre / sum, x, 0.0, 1.0 / N);
+        brightest = peak[m] > peak[brightest] ? m : brightest;
+    }
+    /* sinc(m + w H / lambda)^2, w = cos_i + cos_m: 0.79 at order -1 */
+    assert_int_equal(brightest - 2, -1);
+    dif_map_free(&map);
+    dif_field_free(&field);
+}
+
 static void test_measure__bad_arguments_have_their_codes(void **state)
 {
     (void)state;
@@ -196,6 +303,8 @@ int main(void)
         cmocka_unit_test(test_measure__xyz_is_the_weighted_sum_of_the_layers),
         cmocka_unit_test(test_measure__map_and_queries_agree_on_every_quantity),
         cmocka_unit_test(test_measure__mirror_is_one_spot_of_the_windows_size),
+        cmocka_unit_test(test_measure__blazed_orders_lie_on_the_grating_equation),
+        cmocka_unit_test(test_measure__measured_sheds_spread_across_their_ridges),
         cmocka_unit_test(test_measure__bad_arguments_have_their_codes),
         cmocka_unit_test(test_measure__every_failing_allocation_is_reported),
     };
