@@ -34,15 +34,15 @@ static const int held_out_min = 100;
 /* Centre and an angular offset cannot be told apart beyond this correlation. */
 static const double correlation_max = 0.999;
 
-static void free_work(fit_work *w)
+static void free_work(dif_fit_work *w)
 {
     dif_release(w->part);
     if (w->state)
         dif_release(w->state->cell);
     dif_release(w->state);
-    fit_spectrum_free(&w->spectrum);
-    fit_line_free(&w->line);
-    fit_view_free(&w->view);
+    dif_fit_spectrum_free(&w->spectrum);
+    dif_fit_line_free(&w->line);
+    dif_fit_view_free(&w->view);
 }
 
 static dif_status check_opts(const dif_fit_table_opts *o, dif_error *err)
@@ -62,50 +62,53 @@ static dif_status check_opts(const dif_fit_table_opts *o, dif_error *err)
 }
 
 /* The line: as known, or a Gaussian as wide as the highest peak of the spectrum. */
-static dif_status make_line(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
+static dif_status make_line(dif_fit_work *w, const dif_fit_table_opts *o, dif_error *err)
 {
     if (o->line.known)
-        return fit_line_create(&o->line, w->view.table->plan.azimuth_rad, &w->line, err);
+        return dif_fit_line_create(&o->line, w->view.table->plan.azimuth_rad, &w->line, err);
     const double range = w->view.f_high - w->view.f_low;
-    dif_status status = fit_spectrum_create(&w->view, fmax(1.5 * w->view.f_step, range / 5000.0), &w->spectrum, err);
+    dif_status status =
+        dif_fit_spectrum_create(&w->view, fmax(1.5 * w->view.f_step, range / 5000.0), &w->spectrum, err);
     if (status != DIF_OK)
         return status;
-    const double sigma = fit_spectrum_peak_sigma(&w->spectrum);
-    fit_spectrum_free(&w->spectrum);
+    const double sigma = dif_fit_spectrum_peak_sigma(&w->spectrum);
+    dif_fit_spectrum_free(&w->spectrum);
     if (!(sigma > 0.0))
         return dif_fail(err, DIF_ERR_FIT, "no peak inside the scanned range: its ends are highest");
-    w->line = fit_line_gauss(sigma);
+    w->line = dif_fit_line_gauss(sigma);
     return DIF_OK;
 }
 
 /* Groups and cells around the given centres. */
-static dif_status select_around(fit_work *w, int n, const double *centre, double reach_sigma, dif_error *err)
+static dif_status select_around(dif_fit_work *w, int n, const double *centre, double reach_sigma, dif_error *err)
 {
-    fit_state *s = w->state;
+    dif_fit_state *s = w->state;
     const double sigma = w->line.sigma_per_um;
     dif_release(s->cell);
     s->cell = NULL;
-    s->model.n_group = fit_ridges_group(&w->view, reach_sigma * sigma, n, centre, s->model.group);
-    const fit_selection pick = {
-        .n_group = s->model.n_group, .group = s->model.group, .step_per_um = sigma * cell_step, .n_max = FIT_CELL_MAX};
-    dif_status status = fit_view_select(&w->view, &pick, &s->cell, &s->n_cell, err);
+    s->model.n_group = dif_fit_ridges_group(&w->view, reach_sigma * sigma, n, centre, s->model.group);
+    const dif_fit_selection pick = {.n_group = s->model.n_group,
+                                    .group = s->model.group,
+                                    .step_per_um = sigma * cell_step,
+                                    .n_max = DIF_FIT_CELL_MAX};
+    dif_status status = dif_fit_view_select(&w->view, &pick, &s->cell, &s->n_cell, err);
     if (status == DIF_OK && s->n_cell == 0)
         status = dif_fail(err, DIF_ERR_FIT, "no cell near the peaks");
     return status;
 }
 
 /* Peaks of the mean power over f, and the cells around them. */
-static dif_status find_candidates(fit_work *w, const dif_fit_table_opts *o, int *n, fit_candidate *candidate,
+static dif_status find_candidates(dif_fit_work *w, const dif_fit_table_opts *o, int *n, dif_fit_candidate *candidate,
                                   dif_error *err)
 {
     const double sigma = w->line.sigma_per_um;
     if (!(w->view.f_step < 2.0 * sigma))
         return dif_fail(err, DIF_ERR_FIT, "the angles are too coarse for the line: %.3g lines wide a step",
                         w->view.f_step / sigma);
-    dif_status status = fit_spectrum_create(&w->view, fmax(sigma / 4.0, w->view.f_step), &w->spectrum, err);
+    dif_status status = dif_fit_spectrum_create(&w->view, fmax(sigma / 4.0, w->view.f_step), &w->spectrum, err);
     if (status != DIF_OK)
         return status;
-    *n = fit_spectrum_candidates(&w->spectrum, &w->line, o->n_ridge_max, candidate);
+    *n = dif_fit_spectrum_candidates(&w->spectrum, &w->line, o->n_ridge_max, candidate);
     if (*n == 0)
         return dif_fail(err, DIF_ERR_FIT, "no peak inside the scanned range %.4g ... %.4g per um", w->view.f_low,
                         w->view.f_high);
@@ -113,26 +116,26 @@ static dif_status find_candidates(fit_work *w, const dif_fit_table_opts *o, int 
     for (int k = 0; k < *n; k++)
         centre[k] = candidate[k].f_per_um;
     w->state->model.line = &w->line;
-    return select_around(w, *n, centre, FIT_CHOOSE_SIGMA, err);
+    return select_around(w, *n, centre, DIF_FIT_CHOOSE_SIGMA, err);
 }
 
 /* Keeps the ridges that have an order, and the cells around them. The mirror direction knows nothing of a common period
  * (only of an offset), and its strength would hide the orders' misfit. */
-static dif_status keep_orders(fit_work *w, const int *order, bool mirror_useless, dif_error *err)
+static dif_status keep_orders(dif_fit_work *w, const int *order, bool mirror_useless, dif_error *err)
 {
-    fit_model *m = &w->state->model;
+    dif_fit_model *m = &w->state->model;
     double *centre = w->state->par;
     int n = 0;
     for (int k = 0; k < m->n_ridge; k++)
-        w->n_left_over += order[k] == FIT_ORDER_NONE;
+        w->n_left_over += order[k] == DIF_FIT_ORDER_NONE;
     for (int k = 0; k < m->n_ridge; k++)
-        if (order[k] != FIT_ORDER_NONE && !(mirror_useless && order[k] == 0)) {
+        if (order[k] != DIF_FIT_ORDER_NONE && !(mirror_useless && order[k] == 0)) {
             m->ridge[n] = m->ridge[k];
             m->ridge[n].order = order[k];
             centre[n++] = centre[k];
         }
     m->n_ridge = n;
-    dif_status status = select_around(w, n, centre, FIT_WINDOW_SIGMA, err);
+    dif_status status = select_around(w, n, centre, DIF_FIT_WINDOW_SIGMA, err);
     for (int k = 0; k < n; k++)
         for (int g = 0; g < m->n_group; g++)
             if (centre[k] >= m->group[g].f_low && centre[k] <= m->group[g].f_high)
@@ -141,25 +144,25 @@ static dif_status keep_orders(fit_work *w, const int *order, bool mirror_useless
 }
 
 /* Orders of one period, or the same order for each ridge; sets the shared start values. */
-static dif_status set_orders(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
+static dif_status set_orders(dif_fit_work *w, const dif_fit_table_opts *o, dif_error *err)
 {
-    fit_state *s = w->state;
+    dif_fit_state *s = w->state;
     double f[DIF_FIT_RIDGE_MAX], weight[DIF_FIT_RIDGE_MAX], g = 0.0;
     int order[DIF_FIT_RIDGE_MAX];
     memcpy(f, s->par, sizeof f);
     for (int k = 0; k < s->model.n_ridge; k++)
         weight[k] = s->model.ridge[k].strength;
     if (o->common_period) {
-        const fit_order_input in = {.n = s->model.n_ridge,
-                                    .f_per_um = f,
-                                    .weight = weight,
-                                    .sigma_per_um = w->line.sigma_per_um,
-                                    .f_low = w->view.f_low,
-                                    .f_high = w->view.f_high,
-                                    .order = o->order,
-                                    .period_start_um = o->period_start_um,
-                                    .loose = o->offset_free};
-        dif_status found = fit_order_assign(&in, order, &g, w->order_note, err);
+        const dif_fit_order_input in = {.n = s->model.n_ridge,
+                                        .f_per_um = f,
+                                        .weight = weight,
+                                        .sigma_per_um = w->line.sigma_per_um,
+                                        .f_low = w->view.f_low,
+                                        .f_high = w->view.f_high,
+                                        .order = o->order,
+                                        .period_start_um = o->period_start_um,
+                                        .loose = o->offset_free};
+        dif_status found = dif_fit_order_assign(&in, order, &g, w->order_note, err);
         if (found != DIF_OK)
             return found;
     } else {
@@ -175,7 +178,7 @@ static dif_status set_orders(fit_work *w, const dif_fit_table_opts *o, dif_error
     s->model.common = o->common_period;
     s->model.offset_free = o->offset_free;
     s->model.width_free = !o->line.known;
-    fit_model_number(&s->model);
+    dif_fit_model_number(&s->model);
     if (s->model.common)
         s->par[0] = g;
     if (s->model.offset_free)
@@ -186,13 +189,13 @@ static dif_status set_orders(fit_work *w, const dif_fit_table_opts *o, dif_error
 }
 
 /* The ridge with the least certain centre and its uncertainty in line widths; infinite for one of no strength. */
-static int weakest(const fit_state *s, double *share)
+static int weakest(const dif_fit_state *s, double *share)
 {
     int worst = -1;
     *share = 0.0;
     for (int k = 0; k < s->model.n_ridge; k++) {
-        const double sd = sqrt(fit_result_centre_variance(s, k)) / fit_model_width(&s->model, s->par);
-        const double here = fit_ridges_strength(s, k) > 0.0 && isfinite(sd) ? sd : HUGE_VAL;
+        const double sd = sqrt(dif_fit_result_centre_variance(s, k)) / dif_fit_model_width(&s->model, s->par);
+        const double here = dif_fit_ridges_strength(s, k) > 0.0 && isfinite(sd) ? sd : HUGE_VAL;
         if (worst < 0 || here > *share) {
             *share = here;
             worst = k;
@@ -202,9 +205,9 @@ static int weakest(const fit_state *s, double *share)
 }
 
 /* Centre and offset must not be two names of one thing. */
-static dif_status believe_offset(const fit_state *s, dif_error *err)
+static dif_status believe_offset(const dif_fit_state *s, dif_error *err)
 {
-    const fit_model *m = &s->model;
+    const dif_fit_model *m = &s->model;
     const double *cov = s->outcome.covariance;
     for (int k = 0; k < m->n_ridge && m->offset_free; k++) {
         const int at = m->common ? 0 : k, i = m->i_offset, n = m->n_shared;
@@ -218,9 +221,9 @@ static dif_status believe_offset(const fit_state *s, dif_error *err)
 }
 
 /* What must hold before a period is believed. */
-static dif_status believe(const fit_state *s, dif_error *err)
+static dif_status believe(const dif_fit_state *s, dif_error *err)
 {
-    const fit_outcome *o = &s->outcome;
+    const dif_fit_outcome *o = &s->outcome;
     double share = 0.0;
     if (!o->converged)
         return dif_fail(err, DIF_ERR_FIT, "not converged after %d iterations: %s", o->n_iteration, o->text);
@@ -238,44 +241,44 @@ static dif_status believe(const fit_state *s, dif_error *err)
         return dif_fail(err, DIF_ERR_FIT,
                         "the ridge at %.6g per um is not determined: its centre is uncertain by %.2g line "
                         "widths",
-                        fit_model_centre(&s->model, s->par, k), share);
+                        dif_fit_model_centre(&s->model, s->par, k), share);
     return believe_offset(s, err);
 }
 
 /* Fits all ridges; of ridges with periods of their own those that are not determined are given up, one by one. */
-static dif_status solve_believed(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
+static dif_status solve_believed(dif_fit_work *w, const dif_fit_table_opts *o, dif_error *err)
 {
-    fit_state *s = w->state;
+    dif_fit_state *s = w->state;
     const double pitch_um = o->line.known ? o->line.pitch_um : (double)NAN;
     for (;;) {
         double share = 0.0;
-        dif_status status = fit_ridges_solve(s, pitch_um, err);
+        dif_status status = dif_fit_ridges_solve(s, pitch_um, err);
         if (status != DIF_OK)
             return status;
         const int k = weakest(s, &share);
         if (s->model.common || s->model.n_ridge < 2 || (s->outcome.has_covariance && share < centre_share_max))
             return believe(s, err);
-        fit_ridges_drop(s, k);
+        dif_fit_ridges_drop(s, k);
         w->n_given_up++;
     }
 }
 
 /* Cells that were not fitted, half way between those that were, must be explained as well: a model that only bends
  * through its own cells is not believed. */
-static dif_status believe_held_out(const fit_work *w, dif_error *err)
+static dif_status believe_held_out(const dif_fit_work *w, dif_error *err)
 {
-    const fit_state *s = w->state;
-    const fit_selection between = {.n_group = s->model.n_group,
-                                   .group = s->model.group,
-                                   .step_per_um = w->line.sigma_per_um * cell_step,
-                                   .n_max = FIT_CELL_MAX,
-                                   .between = true};
-    fit_cell *cell = NULL;
+    const dif_fit_state *s = w->state;
+    const dif_fit_selection between = {.n_group = s->model.n_group,
+                                       .group = s->model.group,
+                                       .step_per_um = w->line.sigma_per_um * cell_step,
+                                       .n_max = DIF_FIT_CELL_MAX,
+                                       .between = true};
+    dif_fit_cell *cell = NULL;
     int n = 0;
-    dif_status status = fit_view_select(&w->view, &between, &cell, &n, err);
+    dif_status status = dif_fit_view_select(&w->view, &between, &cell, &n, err);
     double square = 0.0;
     for (int i = 0; i < n; i++) {
-        const double r = fit_model_value(&s->model, s->par, &cell[i]) - cell[i].y;
+        const double r = dif_fit_model_value(&s->model, s->par, &cell[i]) - cell[i].y;
         square += r * r;
     }
     dif_release(cell);
@@ -285,15 +288,15 @@ static dif_status believe_held_out(const fit_work *w, dif_error *err)
     return status;
 }
 
-static dif_status run(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
+static dif_status run(dif_fit_work *w, const dif_fit_table_opts *o, dif_error *err)
 {
     int n = 0;
-    fit_candidate candidate[DIF_FIT_RIDGE_MAX];
+    dif_fit_candidate candidate[DIF_FIT_RIDGE_MAX];
     dif_status status = make_line(w, o, err);
     if (status == DIF_OK)
         status = find_candidates(w, o, &n, candidate, err);
     if (status == DIF_OK)
-        status = fit_ridges_choose(w->state, n, candidate, err);
+        status = dif_fit_ridges_choose(w->state, n, candidate, err);
     if (status != DIF_OK)
         return status;
     if (w->state->model.n_ridge == 0)
@@ -304,31 +307,31 @@ static dif_status run(fit_work *w, const dif_fit_table_opts *o, dif_error *err)
     if (status == DIF_OK)
         status = believe_held_out(w, err);
     if (status == DIF_OK)
-        status = fit_ridges_parts(w->state, o->n_part, w->part, &w->n_part, err);
+        status = dif_fit_ridges_parts(w->state, o->n_part, w->part, &w->n_part, err);
     return status;
 }
 
 dif_status dif_fit_table(const dif_table *table, const dif_fit_table_opts *opts, dif_fit_result *out, dif_error *err)
 {
     const dif_fit_table_opts o = opts ? *opts : dif_fit_table_opts_default();
-    fit_work w = {0};
+    dif_fit_work w = {0};
     *out = (dif_fit_result){0};
     dif_status status = check_opts(&o, err);
     if (status == DIF_OK)
-        status = fit_view_create(table, o.index, &w.view, err);
+        status = dif_fit_view_create(table, o.index, &w.view, err);
     if (status != DIF_OK)
         return status;
     w.state = dif_alloc(1, sizeof *w.state);
     w.part = dif_alloc((size_t)o.n_part * DIF_FIT_RIDGE_MAX, sizeof *w.part);
     if (!w.state || !w.part)
         status = dif_fail(err, DIF_ERR_NOMEM, "fit of a table");
-    else if (w.view.n_lambda_valid < FIT_LAMBDA_MIN)
+    else if (w.view.n_lambda_valid < DIF_FIT_LAMBDA_MIN)
         status = dif_fail(err, DIF_ERR_FIT, "%d wavelengths with values, want at least %d", w.view.n_lambda_valid,
-                          FIT_LAMBDA_MIN);
+                          DIF_FIT_LAMBDA_MIN);
     else
         status = run(&w, &o, err);
     if (status == DIF_OK)
-        status = fit_result_fill(&w, o.period_start_um, out, err);
+        status = dif_fit_result_fill(&w, o.period_start_um, out, err);
     free_work(&w);
     return status;
 }

@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-int fit_basis_at(int n_coef, double low, double high, double x, double value[FIT_DEGREE_MAX + 1], int *degree)
+int dif_fit_basis_at(int n_coef, double low, double high, double x, double value[DIF_FIT_DEGREE_MAX + 1], int *degree)
 {
-    const int p = n_coef - 1 < FIT_DEGREE_MAX ? n_coef - 1 : FIT_DEGREE_MAX;
+    const int p = n_coef - 1 < DIF_FIT_DEGREE_MAX ? n_coef - 1 : DIF_FIT_DEGREE_MAX;
     const int n_interval = n_coef - p;
     double t = high > low ? (x - low) / (high - low) : 0.5;
     t = fmin(fmax(t, 0.0), 1.0) * n_interval;

@@ -3,10 +3,10 @@
 #ifndef DIF_FIT_BASIS_H
 #define DIF_FIT_BASIS_H
 
-enum { FIT_DEGREE_MAX = 3 };
+enum { DIF_FIT_DEGREE_MAX = 3 };
 
 /* Values of the basis functions that are not zero at x: n_coef functions on [low, high] of degree min(3, n_coef - 1).
  * Returns   the index of the first; value[0 ... degree] belongs to it and the following ones; their sum is 1 */
-int fit_basis_at(int n_coef, double low, double high, double x, double value[FIT_DEGREE_MAX + 1], int *degree);
+int dif_fit_basis_at(int n_coef, double low, double high, double x, double value[DIF_FIT_DEGREE_MAX + 1], int *degree);
 
 #endif

@@ -7,7 +7,7 @@
 #include "core/alloc.h"
 #include "core/units.h"
 
-double fit_view_power(const fit_view *view, int i_lambda, int i_angle)
+double dif_fit_view_power(const dif_fit_view *view, int i_lambda, int i_angle)
 {
     const dif_table *t = view->table;
     const double value = t->value[(size_t)i_lambda * (size_t)t->plan.n_angle + (size_t)i_angle];
@@ -16,7 +16,7 @@ double fit_view_power(const fit_view *view, int i_lambda, int i_angle)
     return value * view->ungain[i_angle] * (t->quantity == DIF_QUANTITY_BRDF ? lambda * lambda : 1.0) / view->y_max;
 }
 
-static void fill_angles(fit_view *view, dif_index index)
+static void fill_angles(dif_fit_view *view, dif_index index)
 {
     const dif_plan *plan = &view->table->plan;
     for (int i = 0; i < plan->n_angle; i++) {
@@ -36,7 +36,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static dif_status median_step(fit_view *view, dif_error *err)
+static dif_status median_step(dif_fit_view *view, dif_error *err)
 {
     const dif_plan *plan = &view->table->plan;
     const int n = plan->n_angle - 1;
@@ -52,7 +52,7 @@ static dif_status median_step(fit_view *view, dif_error *err)
 }
 
 /* Largest power, extent in f, and whether there is anything to see. */
-static dif_status survey(fit_view *view, dif_error *err)
+static dif_status survey(dif_fit_view *view, dif_error *err)
 {
     const dif_plan *plan = &view->table->plan;
     double low = INFINITY, high = -INFINITY;
@@ -62,7 +62,7 @@ static dif_status survey(fit_view *view, dif_error *err)
     for (int il = 0; il < plan->n_lambda; il++) {
         size_t n_row = 0;
         for (int ia = 0; ia < plan->n_angle; ia++) {
-            const double y = fit_view_power(view, il, ia), f = view->sin_sum[ia] / plan->lambda_um[il];
+            const double y = dif_fit_view_power(view, il, ia), f = view->sin_sum[ia] / plan->lambda_um[il];
             if (!isfinite(y))
                 continue;
             n_row++;
@@ -102,9 +102,9 @@ static dif_status check_table(const dif_table *table, dif_error *err)
     return DIF_OK;
 }
 
-dif_status fit_view_create(const dif_table *table, dif_index index, fit_view *out, dif_error *err)
+dif_status dif_fit_view_create(const dif_table *table, dif_index index, dif_fit_view *out, dif_error *err)
 {
-    *out = (fit_view){0};
+    *out = (dif_fit_view){0};
     dif_status status = check_table(table, err);
     if (status != DIF_OK)
         return status;
@@ -112,7 +112,7 @@ dif_status fit_view_create(const dif_table *table, dif_index index, fit_view *ou
     double *block = dif_alloc(5 * n, sizeof *block);
     if (!block)
         return dif_fail(err, DIF_ERR_NOMEM, "view of %zu angles", n);
-    *out = (fit_view){.table = table, .sin_sum = block, .cos_sum = block + n, .sin_run = block + 2 * n};
+    *out = (dif_fit_view){.table = table, .sin_sum = block, .cos_sum = block + n, .sin_run = block + 2 * n};
     out->cos_run = block + 3 * n;
     out->ungain = block + 4 * n;
     fill_angles(out, index);
@@ -120,31 +120,31 @@ dif_status fit_view_create(const dif_table *table, dif_index index, fit_view *ou
     if (status == DIF_OK)
         status = median_step(out, err);
     if (status != DIF_OK)
-        fit_view_free(out);
+        dif_fit_view_free(out);
     return status;
 }
 
-void fit_view_free(fit_view *view)
+void dif_fit_view_free(dif_fit_view *view)
 {
     if (!view)
         return;
     dif_release(view->sin_sum);
-    *view = (fit_view){0};
+    *view = (dif_fit_view){0};
 }
 
 enum { N_ROW_MIN = 40 };
 
 /* Cells of one wavelength as they are met. */
 typedef struct picker {
-    const fit_view *view;
-    const fit_selection *s;
+    const dif_fit_view *view;
+    const dif_fit_selection *s;
     int stride[DIF_FIT_RIDGE_MAX]; /* of the wavelengths, per group */
-    fit_cell *out;                 /* NULL: only count              */
+    dif_fit_cell *out;             /* NULL: only count              */
     int n, n_group[DIF_FIT_RIDGE_MAX];
     int n_row[DIF_FIT_RIDGE_MAX], last_row[DIF_FIT_RIDGE_MAX]; /* wavelengths seen */
 } picker;
 
-static int group_of(const fit_selection *s, double f)
+static int group_of(const dif_fit_selection *s, double f)
 {
     for (int g = 0; g < s->n_group; g++)
         if (f >= s->group[g].f_low && f <= s->group[g].f_high)
@@ -156,11 +156,11 @@ static void pick(picker *p, int il, int ia, int group)
 {
     if (p->out) {
         const double lambda = p->view->table->plan.lambda_um[il];
-        fit_cell *c = &p->out[p->n];
-        *c = (fit_cell){.group = group, .i_angle = ia, .i_lambda = il};
+        dif_fit_cell *c = &p->out[p->n];
+        *c = (dif_fit_cell){.group = group, .i_angle = ia, .i_lambda = il};
         c->f_per_um = p->view->sin_sum[ia] / lambda;
         c->kz_rad_per_um = DIF_TWO_PI * p->view->cos_sum[ia] / lambda;
-        c->y = fit_view_power(p->view, il, ia);
+        c->y = dif_fit_view_power(p->view, il, ia);
         c->turn_s = p->view->sin_run[ia] / lambda;
         c->turn_c = p->view->cos_run[ia] / lambda;
     }
@@ -183,7 +183,7 @@ static void pick_row(picker *p, int il)
         /* between: rows half way as well, if rows are left out */
         if (group < 0 || (il + (p->s->between ? p->stride[group] / 2 : 0)) % p->stride[group] != 0)
             continue;
-        if (!isfinite(fit_view_power(p->view, il, ia)))
+        if (!isfinite(dif_fit_view_power(p->view, il, ia)))
             continue;
         if (f - last >= p->s->step_per_um) {
             last = f;
@@ -220,7 +220,8 @@ static void set_strides(picker *p)
     }
 }
 
-dif_status fit_view_select(const fit_view *view, const fit_selection *selection, fit_cell **out, int *n, dif_error *err)
+dif_status dif_fit_view_select(const dif_fit_view *view, const dif_fit_selection *selection, dif_fit_cell **out, int *n,
+                               dif_error *err)
 {
     picker p = {.view = view, .s = selection};
     *out = NULL;

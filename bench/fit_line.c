@@ -110,7 +110,7 @@ static void fill_axis(const axis *a, double (*w)[N_QUADRATURE])
 }
 
 /* Half width at half maximum of the node table / sqrt(2 ln 2), and the rms width within 5 of those. */
-static void measure_widths(fit_line *line)
+static void measure_widths(dif_fit_lineshape *line)
 {
     int i = 0;
     while (i + 1 < line->n_node && line->node[i + 1][0] > 0.5)
@@ -127,7 +127,7 @@ static void measure_widths(fit_line *line)
 }
 
 /* Fills the node table from the two axes. E belongs to the axis that the plane runs along, if it runs along one. */
-static void fill_nodes(fit_line *line, const axis *ax, double (*wx)[N_QUADRATURE], const axis *ay,
+static void fill_nodes(dif_fit_lineshape *line, const axis *ax, double (*wx)[N_QUADRATURE], const axis *ay,
                        double (*wy)[N_QUADRATURE])
 {
     double x0[6], y0[6], x[6], y[6];
@@ -149,7 +149,7 @@ static void fill_nodes(fit_line *line, const axis *ax, double (*wx)[N_QUADRATURE
 
 /* Transforms of the single windows along the plane's axis, for the pair terms; none if there are many windows, whose
  * average has no pair terms worth a name. */
-static dif_status fill_waves(fit_line *line, const axis *a, double (*w)[N_QUADRATURE], dif_error *err)
+static dif_status fill_waves(dif_fit_lineshape *line, const axis *a, double (*w)[N_QUADRATURE], dif_error *err)
 {
     if (!line->has_edge || a->n_centre > N_WAVE_MAX)
         return DIF_OK;
@@ -194,9 +194,9 @@ static double rough_sigma_per_um(const dif_fit_line *line, double extent_um)
     return fmax(flat, 1.0 / (2.0 * DIF_PI * sqrt(2.0) * line->window.sigma_um));
 }
 
-dif_status fit_line_create(const dif_fit_line *line, double azimuth_rad, fit_line *out, dif_error *err)
+dif_status dif_fit_line_create(const dif_fit_line *line, double azimuth_rad, dif_fit_lineshape *out, dif_error *err)
 {
-    *out = (fit_line){0};
+    *out = (dif_fit_lineshape){0};
     dif_status status = check_line(line, err);
     if (status != DIF_OK)
         return status;
@@ -217,7 +217,7 @@ dif_status fit_line_create(const dif_fit_line *line, double azimuth_rad, fit_lin
     const double extent_um = line->size_x_um * fabs(c) + line->size_y_um * fabs(s);
     out->extent_um = extent_um;
     out->step_per_um = 1.0 / (NODES_PER_CYCLE * extent_um);
-    out->n_node = 2 + (int)ceil(FIT_LINE_REACH * rough_sigma_per_um(line, extent_um) / out->step_per_um);
+    out->n_node = 2 + (int)ceil(DIF_FIT_LINE_REACH * rough_sigma_per_um(line, extent_um) / out->step_per_um);
     out->node = dif_alloc((size_t)out->n_node, sizeof *out->node);
     wx = dif_alloc((size_t)a[0].n_centre, sizeof *wx);
     wy = dif_alloc((size_t)a[1].n_centre, sizeof *wy);
@@ -237,22 +237,22 @@ cleanup:
     dif_release(wx);
     dif_release(a);
     if (status != DIF_OK)
-        fit_line_free(out);
+        dif_fit_line_free(out);
     return status;
 }
 
-void fit_line_free(fit_line *line)
+void dif_fit_line_free(dif_fit_lineshape *line)
 {
     if (!line)
         return;
     dif_release(line->wave);
     dif_release(line->node);
-    *line = (fit_line){0};
+    *line = (dif_fit_lineshape){0};
 }
 
-fit_line fit_line_gauss(double sigma_per_um)
+dif_fit_lineshape dif_fit_line_gauss(double sigma_per_um)
 {
-    return (fit_line){.known = false, .sigma_per_um = sigma_per_um, .rms_per_um = sigma_per_um};
+    return (dif_fit_lineshape){.known = false, .sigma_per_um = sigma_per_um, .rms_per_um = sigma_per_um};
 }
 
 /* Cubic Hermite interpolation of a value and its derivative between two nodes; t in [0, 1]. */
@@ -264,9 +264,9 @@ static void hermite(const double *p, const double *q, double step, double t, dou
     *slope = (m0 + t * (2.0 * c2 + 3.0 * t * c3)) / step;
 }
 
-fit_shape fit_line_at(const fit_line *line, double delta_per_um, double width_per_um)
+dif_fit_shape dif_fit_line_at(const dif_fit_lineshape *line, double delta_per_um, double width_per_um)
 {
-    fit_shape s = {0};
+    dif_fit_shape s = {0};
     if (!line->known) {
         const double t = delta_per_um / width_per_um;
         s.l = exp(-0.5 * t * t);
@@ -291,7 +291,7 @@ fit_shape fit_line_at(const fit_line *line, double delta_per_um, double width_pe
 }
 
 /* One window's transform at delta: value and slope of real and imaginary part; false beyond the table. */
-static bool wave_at(const fit_line *line, int s, double delta, double v[2], double d[2])
+static bool wave_at(const dif_fit_lineshape *line, int s, double delta, double v[2], double d[2])
 {
     const double place = fabs(delta) / line->step_per_um;
     if (!(place < line->n_node - 1))
@@ -307,7 +307,7 @@ static bool wave_at(const fit_line *line, int s, double delta, double v[2], doub
     return true;
 }
 
-double fit_line_amplitude(const fit_line *line, double delta_per_um, double *slope)
+double dif_fit_line_amplitude(const dif_fit_lineshape *line, double delta_per_um, double *slope)
 {
     double v[2] = {0}, d[2] = {0};
     wave_at(line, 0, delta_per_um, v, d);
@@ -316,19 +316,20 @@ double fit_line_amplitude(const fit_line *line, double delta_per_um, double *slo
 }
 
 /* The geometric mean sqrt(L(a) L(b)): right for windows whose transform is positive where it matters. */
-static fit_pair_shape mean_pair(const fit_line *line, double a, double b, double width)
+static dif_fit_pair_shape mean_pair(const dif_fit_lineshape *line, double a, double b, double width)
 {
-    const fit_shape p = fit_line_at(line, a, width), q = fit_line_at(line, b, width);
+    const dif_fit_shape p = dif_fit_line_at(line, a, width), q = dif_fit_line_at(line, b, width);
     const double floor_value = 1e-6;
     if (!(p.l > floor_value && q.l > floor_value))
-        return (fit_pair_shape){0};
+        return (dif_fit_pair_shape){0};
     const double s = sqrt(p.l * q.l);
-    return (fit_pair_shape){.s = s, .ds_da = 0.5 * s * p.dl / p.l, .ds_db = 0.5 * s * q.dl / q.l};
+    return (dif_fit_pair_shape){.s = s, .ds_da = 0.5 * s * p.dl / p.l, .ds_db = 0.5 * s * q.dl / q.l};
 }
 
-fit_pair_shape fit_line_pair(const fit_line *line, double a_per_um, double b_per_um, double width_per_um)
+dif_fit_pair_shape dif_fit_line_pair(const dif_fit_lineshape *line, double a_per_um, double b_per_um,
+                                     double width_per_um)
 {
-    fit_pair_shape p = {0};
+    dif_fit_pair_shape p = {0};
     double a[2], da[2], b[2], db[2];
     if (line->n_wave == 0)
         return mean_pair(line, a_per_um, b_per_um, width_per_um);

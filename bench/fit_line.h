@@ -19,14 +19,14 @@
 #include "bench/fit.h"
 
 /* Values and derivatives at one delta. */
-typedef struct fit_shape {
+typedef struct dif_fit_shape {
     double l, dl;         /* L, dL/d delta                                             */
     double re, dre;       /* Re E                                                      */
     double im, dim;       /* Im E                                                      */
     double dl_dlog_width; /* dL/d ln(width), Gaussian of free width only               */
-} fit_shape;
+} dif_fit_shape;
 
-typedef struct fit_line {
+typedef struct dif_fit_lineshape {
     bool known;          /* false: L = exp(-delta^2 / (2 width^2))                    */
     bool has_edge;       /* E is of use: the plane runs along an axis of the patch    */
     double sigma_per_um; /* half width at half maximum of L / sqrt(2 ln 2)            */
@@ -37,29 +37,31 @@ typedef struct fit_line {
     double (*node)[6]; /* L, L', Re E, Re E', Im E, Im E' at delta = i step, owned  */
     int n_wave;        /* windows along the plane's axis, 0: no pair terms          */
     double (*wave)[4]; /* wave[n_wave * n_node]: Re W^, Re W^', Im W^, Im W^', owned */
-} fit_line;
+} dif_fit_lineshape;
 
 /* Cross term of two lines: S = sum_s Re(conj(W^_s(a)) W^_s(b)) / norm at distances a and b from them. */
-typedef struct fit_pair_shape {
+typedef struct dif_fit_pair_shape {
     double s, ds_da, ds_db;
-} fit_pair_shape;
+} dif_fit_pair_shape;
 
-enum { FIT_LINE_REACH = 25 }; /* the table ends at this many sigma; L and E are 0 beyond */
+enum { DIF_FIT_LINE_REACH = 25 }; /* the table ends at this many sigma; L and E are 0 beyond */
 
 /* Tabulates a known line in a plane of the given azimuth. Status DIF_ERR_ARG, DIF_ERR_NOMEM. */
-DIF_MUST_USE dif_status fit_line_create(const dif_fit_line *line, double azimuth_rad, fit_line *out, dif_error *err);
-void fit_line_free(fit_line *line);
+DIF_MUST_USE dif_status dif_fit_line_create(const dif_fit_line *line, double azimuth_rad, dif_fit_lineshape *out,
+                                            dif_error *err);
+void dif_fit_line_free(dif_fit_lineshape *line);
 
 /* A Gaussian of the given width. */
-fit_line fit_line_gauss(double sigma_per_um);
+dif_fit_lineshape dif_fit_line_gauss(double sigma_per_um);
 
 /* Shape at delta; width_per_um is read only if the line is not known. */
-fit_shape fit_line_at(const fit_line *line, double delta_per_um, double width_per_um);
+dif_fit_shape dif_fit_line_at(const dif_fit_lineshape *line, double delta_per_um, double width_per_um);
 
 /* W^ itself and its slope, for a line of one window at the patch's centre (n_wave = 1): real, 1 at 0. */
-double fit_line_amplitude(const fit_line *line, double delta_per_um, double *slope);
+double dif_fit_line_amplitude(const dif_fit_lineshape *line, double delta_per_um, double *slope);
 
 /* Cross term; exact where n_wave is not 0, else the geometric mean of the two shapes. */
-fit_pair_shape fit_line_pair(const fit_line *line, double a_per_um, double b_per_um, double width_per_um);
+dif_fit_pair_shape dif_fit_line_pair(const dif_fit_lineshape *line, double a_per_um, double b_per_um,
+                                     double width_per_um);
 
 #endif

@@ -7,7 +7,7 @@
 
 /* Centres may be off by this share of the line's width before a ridge is no order any more; more if the angles may be
  * off, too. */
-static double centre_share(const fit_order_input *in)
+static double centre_share(const dif_fit_order_input *in)
 {
     return in->loose ? 1.0 : 0.2;
 }
@@ -15,13 +15,13 @@ static double centre_share(const fit_order_input *in)
 /* Ridges that are no orders may hold this share of the weight. */
 static const double left_over_share = 0.05;
 
-static bool is_specular(const fit_order_input *in, int k)
+static bool is_specular(const dif_fit_order_input *in, int k)
 {
     return fabs(in->f_per_um[k]) < in->sigma_per_um;
 }
 
 /* Strongest ridge that is not the specular one, -1 if there is none. */
-static int strongest(const fit_order_input *in)
+static int strongest(const dif_fit_order_input *in)
 {
     int best = -1;
     for (int k = 0; k < in->n; k++)
@@ -30,40 +30,40 @@ static int strongest(const fit_order_input *in)
     return best;
 }
 
-/* The order of ridge k for a base frequency, FIT_ORDER_NONE if it is none; m_strong scales the error of g. */
-static int order_at(const fit_order_input *in, int k, double g, int m_strong)
+/* The order of ridge k for a base frequency, DIF_FIT_ORDER_NONE if it is none; m_strong scales the error of g. */
+static int order_at(const dif_fit_order_input *in, int k, double g, int m_strong)
 {
     if (is_specular(in, k))
         return 0;
     const double m = round(in->f_per_um[k] / g);
     const double allowed = centre_share(in) * in->sigma_per_um * fmax(1.0, fabs(m / m_strong));
     if (m == 0.0 || fabs(m) > 1000.0 || fabs(in->f_per_um[k] - m * g) > allowed)
-        return FIT_ORDER_NONE;
+        return DIF_FIT_ORDER_NONE;
     return (int)m;
 }
 
 /* Share of the weight (without the specular ridge) that orders of g explain; fills order[n]. Of two ridges with one
  * order the weaker is left over. */
-static double explained(const fit_order_input *in, double g, int m_strong, int *order)
+static double explained(const dif_fit_order_input *in, double g, int m_strong, int *order)
 {
     double sum = 0.0, total = 0.0;
     for (int k = 0; k < in->n; k++)
         order[k] = order_at(in, k, g, m_strong);
     for (int k = 0; k < in->n; k++)
         for (int j = 0; j < in->n; j++)
-            if (j != k && order[k] != FIT_ORDER_NONE && order[j] == order[k] && in->weight[j] > in->weight[k])
-                order[k] = FIT_ORDER_NONE;
+            if (j != k && order[k] != DIF_FIT_ORDER_NONE && order[j] == order[k] && in->weight[j] > in->weight[k])
+                order[k] = DIF_FIT_ORDER_NONE;
     for (int k = 0; k < in->n; k++) {
         if (is_specular(in, k))
             continue;
         total += in->weight[k];
-        sum += order[k] == FIT_ORDER_NONE ? 0.0 : in->weight[k];
+        sum += order[k] == DIF_FIT_ORDER_NONE ? 0.0 : in->weight[k];
     }
     return total > 0.0 ? sum / total : 0.0;
 }
 
 /* Nonzero orders inside the scan up to the highest one seen. */
-static int orders_in_scan(const fit_order_input *in, double g, int m_max)
+static int orders_in_scan(const dif_fit_order_input *in, double g, int m_max)
 {
     const double margin = 2.0 * in->sigma_per_um;
     int n = 0;
@@ -74,12 +74,12 @@ static int orders_in_scan(const fit_order_input *in, double g, int m_max)
 
 /* Is a match by chance unlikely? Each further ridge lands within the tolerance of some order with chance
  * 2 tolerance / g; and a base frequency of which most orders are missing explains anything. */
-static bool credible(const fit_order_input *in, double g, int m_strong, const int *order)
+static bool credible(const dif_fit_order_input *in, double g, int m_strong, const int *order)
 {
     double chance = 1.0;
     int n_seen = 0, m_max = 1;
     for (int k = 0; k < in->n; k++) {
-        if (order[k] == FIT_ORDER_NONE || order[k] == 0)
+        if (order[k] == DIF_FIT_ORDER_NONE || order[k] == 0)
             continue;
         if (n_seen++ > 0)
             chance *= fmin(1.0, 2.0 * centre_share(in) * in->sigma_per_um / g);
@@ -104,7 +104,7 @@ static int common_divisor(int n, const int *order, int *n_seen)
     int divisor = 0;
     *n_seen = 0;
     for (int k = 0; k < n; k++)
-        if (order[k] != FIT_ORDER_NONE && order[k] != 0) {
+        if (order[k] != DIF_FIT_ORDER_NONE && order[k] != 0) {
             divisor = gcd(divisor, order[k]);
             (*n_seen)++;
         }
@@ -112,7 +112,7 @@ static int common_divisor(int n, const int *order, int *n_seen)
 }
 
 /* An order inside the scan that lies between multiples of the divisor, 0 if there is none. */
-static int missing_order(const fit_order_input *in, double g, int divisor)
+static int missing_order(const dif_fit_order_input *in, double g, int divisor)
 {
     const double margin = 2.0 * in->sigma_per_um;
     const int low = (int)fmax(-1000.0, ceil((in->f_low + margin) / g));
@@ -125,7 +125,7 @@ static int missing_order(const fit_order_input *in, double g, int divisor)
 
 /* A given order is held against what is there: if all orders share a divisor and the orders between them, inside the
  * scan, are missing, then the order is wrong or nothing supports it. */
-static dif_status check_given(const fit_order_input *in, double g, const int *order, int m, char note[160],
+static dif_status check_given(const dif_fit_order_input *in, double g, const int *order, int m, char note[160],
                               dif_error *err)
 {
     int n_seen = 0;
@@ -145,7 +145,7 @@ static dif_status check_given(const fit_order_input *in, double g, const int *or
 }
 
 /* The order of the strongest ridge that the caller fixes, by order or by a start period; 0 if none. */
-static dif_status given_order(const fit_order_input *in, int k, int *m, dif_error *err)
+static dif_status given_order(const dif_fit_order_input *in, int k, int *m, dif_error *err)
 {
     *m = 0;
     const double f = in->f_per_um[k];
@@ -164,7 +164,8 @@ static dif_status given_order(const fit_order_input *in, int k, int *m, dif_erro
     return DIF_OK;
 }
 
-dif_status fit_order_assign(const fit_order_input *in, int *order, double *g_per_um, char note[160], dif_error *err)
+dif_status dif_fit_order_assign(const dif_fit_order_input *in, int *order, double *g_per_um, char note[160],
+                                dif_error *err)
 {
     note[0] = '\0';
     const int k = strongest(in);
@@ -175,7 +176,7 @@ dif_status fit_order_assign(const fit_order_input *in, int *order, double *g_per
     if (status != DIF_OK)
         return status;
     const int sign = in->f_per_um[k] < 0.0 ? -1 : 1;
-    const int first = m != 0 ? m * sign : 1, last = m != 0 ? m * sign : FIT_ORDER_STRONGEST_MAX;
+    const int first = m != 0 ? m * sign : 1, last = m != 0 ? m * sign : DIF_FIT_ORDER_STRONGEST_MAX;
     for (int a = first; a <= last; a++) {
         const double g = fabs(in->f_per_um[k]) / a;
         if (explained(in, g, a, order) < 1.0 - left_over_share || (m == 0 && !credible(in, g, a, order)))

@@ -5,9 +5,9 @@
 
 enum { N_BIN_MAX = 2000000 };
 
-dif_status fit_spectrum_create(const fit_view *view, double step_per_um, fit_spectrum *out, dif_error *err)
+dif_status dif_fit_spectrum_create(const dif_fit_view *view, double step_per_um, dif_fit_spectrum *out, dif_error *err)
 {
-    *out = (fit_spectrum){0};
+    *out = (dif_fit_spectrum){0};
     const double bins = ceil((view->f_high - view->f_low) / step_per_um);
     if (!(bins < N_BIN_MAX))
         return dif_fail(err, DIF_ERR_SIZE, "%g bins of spatial frequency, the scan is too wide for its lines", bins);
@@ -17,13 +17,13 @@ dif_status fit_spectrum_create(const fit_view *view, double step_per_um, fit_spe
     out->mean = dif_alloc((size_t)out->n, sizeof *out->mean);
     out->count = dif_alloc((size_t)out->n, sizeof *out->count);
     if (!out->mean || !out->count) {
-        fit_spectrum_free(out);
+        dif_fit_spectrum_free(out);
         return dif_fail(err, DIF_ERR_NOMEM, "%g bins of spatial frequency", bins);
     }
     const dif_plan *plan = &view->table->plan;
     for (int il = 0; il < plan->n_lambda; il++)
         for (int ia = 0; ia < plan->n_angle; ia++) {
-            const double y = fit_view_power(view, il, ia);
+            const double y = dif_fit_view_power(view, il, ia);
             if (!isfinite(y))
                 continue;
             const int bin = (int)((view->sin_sum[ia] / plan->lambda_um[il] - out->f_low) / step_per_um);
@@ -35,16 +35,16 @@ dif_status fit_spectrum_create(const fit_view *view, double step_per_um, fit_spe
     return DIF_OK;
 }
 
-void fit_spectrum_free(fit_spectrum *spectrum)
+void dif_fit_spectrum_free(dif_fit_spectrum *spectrum)
 {
     if (!spectrum)
         return;
     dif_release(spectrum->mean);
     dif_release(spectrum->count);
-    *spectrum = (fit_spectrum){0};
+    *spectrum = (dif_fit_spectrum){0};
 }
 
-static int highest(const fit_spectrum *s)
+static int highest(const dif_fit_spectrum *s)
 {
     int best = -1;
     for (int i = 0; i < s->n; i++)
@@ -53,7 +53,7 @@ static int highest(const fit_spectrum *s)
     return best;
 }
 
-static double lowest_mean(const fit_spectrum *s)
+static double lowest_mean(const dif_fit_spectrum *s)
 {
     double low = INFINITY;
     for (int i = 0; i < s->n; i++)
@@ -62,7 +62,7 @@ static double lowest_mean(const fit_spectrum *s)
 }
 
 /* Distance from the peak to where it falls below half of its height over the floor; direction +1 or -1. */
-static double half_width(const fit_spectrum *s, int peak, double floor_value, int direction)
+static double half_width(const dif_fit_spectrum *s, int peak, double floor_value, int direction)
 {
     const double half = floor_value + 0.5 * (s->mean[peak] - floor_value);
     double last = s->mean[peak];
@@ -76,7 +76,7 @@ static double half_width(const fit_spectrum *s, int peak, double floor_value, in
     return NAN;
 }
 
-double fit_spectrum_peak_sigma(const fit_spectrum *s)
+double dif_fit_spectrum_peak_sigma(const dif_fit_spectrum *s)
 {
     const int peak = highest(s);
     if (peak < 0)
@@ -87,7 +87,7 @@ double fit_spectrum_peak_sigma(const fit_spectrum *s)
 }
 
 /* A bin is a peak if it is the highest within the line's width on both sides and the range goes on there. */
-static bool is_peak(const fit_spectrum *s, int i, int reach)
+static bool is_peak(const dif_fit_spectrum *s, int i, int reach)
 {
     if (i - reach < 0 || i + reach >= s->n)
         return false;
@@ -102,7 +102,7 @@ static bool is_peak(const fit_spectrum *s, int i, int reach)
 }
 
 /* Centre of a peak to a part of a bin. */
-static double peak_centre(const fit_spectrum *s, int i)
+static double peak_centre(const dif_fit_spectrum *s, int i)
 {
     const double a = s->mean[i - 1], b = s->mean[i], c = s->mean[i + 1];
     const double curvature = a - 2.0 * b + c;
@@ -111,7 +111,7 @@ static double peak_centre(const fit_spectrum *s, int i)
     return s->f_low + (i + 0.5 + shift) * s->step_per_um;
 }
 
-static bool far_from_others(double f, int n, const fit_candidate *c, double distance)
+static bool far_from_others(double f, int n, const dif_fit_candidate *c, double distance)
 {
     for (int i = 0; i < n; i++)
         if (fabs(c[i].f_per_um - f) < distance)
@@ -119,7 +119,7 @@ static bool far_from_others(double f, int n, const fit_candidate *c, double dist
     return true;
 }
 
-int fit_spectrum_candidates(fit_spectrum *s, const fit_line *line, int n_max, fit_candidate *out)
+int dif_fit_spectrum_candidates(dif_fit_spectrum *s, const dif_fit_lineshape *line, int n_max, dif_fit_candidate *out)
 {
     /* a peak weaker than this share of the strongest is not looked for */
     const double share_min = 1e-4, distance = 2.5 * line->sigma_per_um;
@@ -133,11 +133,11 @@ int fit_spectrum_candidates(fit_spectrum *s, const fit_line *line, int n_max, fi
                 best = i;
         if (best < 0 || (n > 0 && s->mean[best] < share_min * out[0].height))
             break;
-        out[n] = (fit_candidate){.f_per_um = peak_centre(s, best), .height = s->mean[best]};
+        out[n] = (dif_fit_candidate){.f_per_um = peak_centre(s, best), .height = s->mean[best]};
         for (int i = 0; i < s->n; i++)
             s->mean[i] -=
                 out[n].height *
-                fit_line_at(line, s->f_low + (i + 0.5) * s->step_per_um - out[n].f_per_um, line->sigma_per_um).l;
+                dif_fit_line_at(line, s->f_low + (i + 0.5) * s->step_per_um - out[n].f_per_um, line->sigma_per_um).l;
         n++;
     }
     return n;

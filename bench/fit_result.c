@@ -26,7 +26,7 @@ static int headline(const dif_fit_result *r, double period_start_um)
  * which is sd/sqrt(n) for equal weights, and more if the parts together contradict the whole; parts that see only some
  * of what the whole sees cannot make it less certain than it is. The centres come in as g = f/m (common period, all
  * parts) or f (parts of one ridge; ridge >= 0). NaN for fewer than two parts. */
-static double scatter_of(const fit_work *w, int ridge, double x, double sd_whole, int *n_used)
+static double scatter_of(const dif_fit_work *w, int ridge, double x, double sd_whole, int *n_used)
 {
     double sum_w = 0.0, sum = 0.0;
     *n_used = 0;
@@ -43,27 +43,27 @@ static double scatter_of(const fit_work *w, int ridge, double x, double sd_whole
 }
 
 /* Variance of ridge k's centre from the covariance of the shared parameters. */
-double fit_result_centre_variance(const fit_state *s, int k)
+double dif_fit_result_centre_variance(const dif_fit_state *s, int k)
 {
-    const fit_model *m = &s->model;
+    const dif_fit_model *m = &s->model;
     if (m->common)
         return m->ridge[k].order * m->ridge[k].order * s->outcome.covariance[0];
     return s->outcome.covariance[k * (m->n_shared + 1)];
 }
 
-static void fill_ridges(const fit_work *w, dif_fit_result *r)
+static void fill_ridges(const dif_fit_work *w, dif_fit_result *r)
 {
-    const fit_state *s = w->state;
+    const dif_fit_state *s = w->state;
     double total = 0.0;
     r->n_ridge = s->model.n_ridge;
     for (int k = 0; k < r->n_ridge; k++) {
         dif_fit_ridge *to = &r->ridge[k];
         int n = 0;
         to->order = s->model.ridge[k].order;
-        to->f_per_um = fit_model_centre(&s->model, s->par, k);
-        to->f_sd_per_um = sqrt(fit_result_centre_variance(s, k));
-        to->weight = fmax(fit_ridges_strength(s, k), 0.0);
-        to->width_per_um = s->model.width_free ? fit_model_width(&s->model, s->par) : w->line.rms_per_um;
+        to->f_per_um = dif_fit_model_centre(&s->model, s->par, k);
+        to->f_sd_per_um = sqrt(dif_fit_result_centre_variance(s, k));
+        to->weight = fmax(dif_fit_ridges_strength(s, k), 0.0);
+        to->width_per_um = s->model.width_free ? dif_fit_model_width(&s->model, s->par) : w->line.rms_per_um;
         const double per_f = fabs(to->order / (to->f_per_um * to->f_per_um));
         to->period_um = to->order ? fabs(to->order / to->f_per_um) : (double)NAN;
         to->period_sd_um = to->order ? per_f * to->f_sd_per_um : (double)NAN;
@@ -82,21 +82,21 @@ static void fill_ridges(const fit_work *w, dif_fit_result *r)
 
 /* What a refined model's period may still be off: three times what the last refinement moved (the steps shrink, but not
  * evenly), and no less than a share of what all of them did. f tells the ridge. */
-static double model_error_um(const fit_state *s, double f_per_um, int order)
+static double model_error_um(const dif_fit_state *s, double f_per_um, int order)
 {
     const double steps = 3.0,
                  share = 0.02; /* leaks are of this size in amplitude, and so is what a next step would move */
     for (int k = 0; k < s->model.n_ridge && s->has_before; k++)
-        if (fit_model_centre(&s->model, s->par, k) == f_per_um) {
+        if (dif_fit_model_centre(&s->model, s->par, k) == f_per_um) {
             const double last = fabs(order / s->before[k] - order / f_per_um);
             return fmax(steps * last, share * fabs(order / s->plain[k] - order / f_per_um));
         }
     return 0.0;
 }
 
-static void fill_period(const fit_work *w, double period_start_um, dif_fit_result *r)
+static void fill_period(const dif_fit_work *w, double period_start_um, dif_fit_result *r)
 {
-    const fit_state *s = w->state;
+    const dif_fit_state *s = w->state;
     const dif_fit_ridge *top = &r->ridge[headline(r, period_start_um)];
     r->period_um = top->period_um;
     r->period_sd_um = top->period_sd_um;
@@ -107,22 +107,22 @@ static void fill_period(const fit_work *w, double period_start_um, dif_fit_resul
     } else {
         r->n_part = 0;
         for (int i = 0; i < w->n_part; i++)
-            r->n_part += fit_model_centre(&s->model, s->par, w->part[i].ridge) == top->f_per_um;
+            r->n_part += dif_fit_model_centre(&s->model, s->par, w->part[i].ridge) == top->f_per_um;
     }
     r->period_model_um = model_error_um(s, top->f_per_um, top->order);
     r->period_uncertainty_um = fmax(fmax(r->period_sd_um, r->period_scatter_um), r->period_model_um); /* skips NaN */
     if (s->model.offset_free) {
-        r->offset_rad = fit_model_offset(&s->model, s->par);
+        r->offset_rad = dif_fit_model_offset(&s->model, s->par);
         r->offset_sd_rad = sqrt(s->outcome.covariance[s->model.i_offset * (s->model.n_shared + 1)]);
     }
 }
 
-static void fill_residuals(const fit_work *w, dif_fit_result *r)
+static void fill_residuals(const dif_fit_work *w, dif_fit_result *r)
 {
-    const fit_state *s = w->state;
+    const dif_fit_state *s = w->state;
     double square = 0.0, data = 0.0;
     for (int i = 0; i < s->n_cell; i++) {
-        const double d = fit_model_value(&s->model, s->par, &s->cell[i]) - s->cell[i].y;
+        const double d = dif_fit_model_value(&s->model, s->par, &s->cell[i]) - s->cell[i].y;
         square += d * d;
         data += s->cell[i].y * s->cell[i].y;
     }
@@ -142,7 +142,7 @@ static void add_note(dif_fit_result *r, const char *text)
         snprintf(r->note + used, sizeof r->note - used, "%s%s", used ? "; " : "", text);
 }
 
-static void fill_note(const fit_work *w, dif_fit_result *r)
+static void fill_note(const dif_fit_work *w, dif_fit_result *r)
 {
     char text[160];
     if (r->residual_share > residual_told) {
@@ -167,7 +167,7 @@ static void fill_note(const fit_work *w, dif_fit_result *r)
         add_note(r, "too few parts for a scatter");
 }
 
-dif_status fit_result_fill(const fit_work *w, double period_start_um, dif_fit_result *out, dif_error *err)
+dif_status dif_fit_result_fill(const dif_fit_work *w, double period_start_um, dif_fit_result *out, dif_error *err)
 {
     fill_ridges(w, out);
     if (headline(out, period_start_um) < 0) {

@@ -9,8 +9,8 @@
 
 /* What the solver's callback looks at. */
 typedef struct job {
-    const fit_model *model;
-    const fit_cell *cell;
+    const dif_fit_model *model;
+    const dif_fit_cell *cell;
     int n;
     double *scratch; /* one row */
 } job;
@@ -20,13 +20,13 @@ static dif_status eval(void *self, const double *par, double *residual, double *
     const job *j = self;
     for (int i = 0; i < j->n; i++) {
         double *row = jacobian ? jacobian + (size_t)i * (size_t)j->model->stride : j->scratch;
-        residual[i] = fit_model_row(j->model, par, &j->cell[i], row) - j->cell[i].y;
+        residual[i] = dif_fit_model_row(j->model, par, &j->cell[i], row) - j->cell[i].y;
     }
     return DIF_OK;
 }
 
 /* Correlation of residuals that are neighbours in angle: consecutive cells of one wavelength and group. */
-static double angle_correlation(int n, const fit_cell *c, const double *r)
+static double angle_correlation(int n, const dif_fit_cell *c, const double *r)
 {
     double product = 0.0, square = 0.0;
     for (int i = 0; i + 1 < n; i++)
@@ -38,7 +38,7 @@ static double angle_correlation(int n, const fit_cell *c, const double *r)
 }
 
 /* Correlation of residuals at the same frequency in neighbouring wavelengths. */
-static double wavelength_correlation(int n, const fit_cell *c, const double *r)
+static double wavelength_correlation(int n, const dif_fit_cell *c, const double *r)
 {
     double product = 0.0, square = 0.0;
     int begin = 0, next = 0;
@@ -64,7 +64,7 @@ static double wavelength_correlation(int n, const fit_cell *c, const double *r)
 /* Cells that count, if each is as good as copied to its neighbours: lengths of the correlation from that of next
  * neighbours, along angle and wavelength. Smooth misfits have a Gaussian correlation, the integral of which is
  * sqrt(pi / -ln rho). The first-order autoregressive (1 + rho)/(1 - rho) is several times longer for them. */
-static double independent_cells(int n, const fit_cell *cells, const double *residual, bool cautious)
+static double independent_cells(int n, const dif_fit_cell *cells, const double *residual, bool cautious)
 {
     const double next[2] = {angle_correlation(n, cells, residual), wavelength_correlation(n, cells, residual)};
     double count = n;
@@ -84,15 +84,15 @@ static int by_value(const void *a, const void *b)
 
 /* Robust deviation (1.4826 MAD about 0) of the residuals on the lines; far from a line residuals are small because the
  * signal is, and would make every core an outlier. */
-static double core_deviation(const fit_model *m, const double *par, int n, const fit_cell *cells,
+static double core_deviation(const dif_fit_model *m, const double *par, int n, const dif_fit_cell *cells,
                              const double *residual, double *scratch)
 {
     int n_core = 0;
-    const double offset = fit_model_offset(m, par), width = fit_model_width(m, par);
+    const double offset = dif_fit_model_offset(m, par), width = dif_fit_model_width(m, par);
     for (int i = 0; i < n; i++) {
-        const double f = fit_model_frequency(&cells[i], offset, NULL);
+        const double f = dif_fit_model_frequency(&cells[i], offset, NULL);
         for (int k = 0; k < m->n_ridge; k++)
-            if (m->ridge[k].group == cells[i].group && fabs(f - fit_model_centre(m, par, k)) < 1.5 * width) {
+            if (m->ridge[k].group == cells[i].group && fabs(f - dif_fit_model_centre(m, par, k)) < 1.5 * width) {
                 scratch[n_core++] = fabs(residual[i]);
                 break;
             }
@@ -104,12 +104,12 @@ static double core_deviation(const fit_model *m, const double *par, int n, const
 }
 
 /* The solver's sum computed here, from the path without Jacobian; fills residual[n] and the rms. */
-static double recompute(const fit_model *m, const double *par, int n, const fit_cell *cells, double loss_scale,
+static double recompute(const dif_fit_model *m, const double *par, int n, const dif_fit_cell *cells, double loss_scale,
                         double *residual, double *rms)
 {
     double cost = 0.0, square = 0.0;
     for (int i = 0; i < n; i++) {
-        const double r = fit_model_value(m, par, &cells[i]) - cells[i].y, s = r * r;
+        const double r = dif_fit_model_value(m, par, &cells[i]) - cells[i].y, s = r * r;
         residual[i] = r;
         square += s;
         if (loss_scale > 0.0 && fabs(r) > loss_scale)
@@ -125,7 +125,8 @@ static double recompute(const fit_model *m, const double *par, int n, const fit_
  * smooth misfit has hardly any independent cells. For the covariance of a clean line they are counted cautiously, down to
  * a single one, a misfit shaped like a shift; speckle is no such conspiracy. The criterion needs more of them than
  * parameters to mean anything. */
-static void judge(const fit_model *m, int n, const fit_cell *cells, const double *residual, fit_outcome *out)
+static void judge(const dif_fit_model *m, int n, const dif_fit_cell *cells, const double *residual,
+                  dif_fit_outcome *out)
 {
     const double variance = out->residual_rms * out->residual_rms;
     const double counted = independent_cells(n, cells, residual, false);
@@ -135,7 +136,7 @@ static void judge(const fit_model *m, int n, const fit_cell *cells, const double
     double square = 0.0;
     for (int i = 0; i < n; i++)
         square += cells[i].y * cells[i].y;
-    const bool clean = variance * n < FIT_CLEAN_SHARE * FIT_CLEAN_SHARE * square;
+    const bool clean = variance * n < DIF_FIT_CLEAN_SHARE * DIF_FIT_CLEAN_SHARE * square;
     const double independent = fmin(fmax(independent_cells(n, cells, residual, clean), 1.0), n);
     const double scale = variance * n / (n > m->n_par ? n - m->n_par : 1) * n / independent;
     for (int i = 0; i < m->n_shared * m->n_shared; i++)
@@ -143,7 +144,7 @@ static void judge(const fit_model *m, int n, const fit_cell *cells, const double
 }
 
 /* One round of the solver, held against the residuals computed here. */
-static dif_status solve_round(const dif_ls *ls, const job *j, double *residual, fit_outcome *out, dif_error *err)
+static dif_status solve_round(const dif_ls *ls, const job *j, double *residual, dif_fit_outcome *out, dif_error *err)
 {
     dif_ls_report report = {0};
     dif_status status = dif_ls_solve(ls, out->covariance, &report, err);
@@ -163,25 +164,25 @@ static dif_status solve_round(const dif_ls *ls, const job *j, double *residual, 
 }
 
 /* Trials need not be finished to be compared. */
-static const int n_iteration_max[] = {[FIT_LINEAR] = 15, [FIT_PLAIN] = 40, [FIT_ROBUST] = 150};
+static const int n_iteration_max[] = {[DIF_FIT_LINEAR] = 15, [DIF_FIT_PLAIN] = 40, [DIF_FIT_ROBUST] = 150};
 
 /* The rounds of a mode: all that is linear first, then everything, then everything with Huber's loss. */
-static dif_status solve_rounds(const job *j, const int *size, const int *row_block, fit_mode mode, double *par,
-                               double *residual, fit_outcome *out, dif_error *err)
+static dif_status solve_rounds(const job *j, const int *size, const int *row_block, dif_fit_mode mode, double *par,
+                               double *residual, dif_fit_outcome *out, dif_error *err)
 {
-    const fit_model *m = j->model;
+    const dif_fit_model *m = j->model;
     job mine = *j;
     dif_ls ls = {.n_row = j->n, .n_shared = m->n_shared, .n_block = m->n_group, .size = size, .row_block = row_block};
     ls.par = par;
     ls.stride = m->stride;
     ls.eval = eval;
     ls.self = &mine;
-    for (fit_mode round = FIT_LINEAR; round <= mode; round++) {
+    for (dif_fit_mode round = DIF_FIT_LINEAR; round <= mode; round++) {
         ls.n_iteration_max = n_iteration_max[round];
-        ls.hold_shared = round == FIT_LINEAR;
-        ls.linear = round == FIT_LINEAR && !m->coherent;
-        ls.want_covariance = round == FIT_ROBUST && m->n_shared > 0;
-        if (round == FIT_ROBUST)
+        ls.hold_shared = round == DIF_FIT_LINEAR;
+        ls.linear = round == DIF_FIT_LINEAR && !m->coherent;
+        ls.want_covariance = round == DIF_FIT_ROBUST && m->n_shared > 0;
+        if (round == DIF_FIT_ROBUST)
             ls.loss_scale = 3.0 * core_deviation(m, par, j->n, j->cell, residual, residual + j->n);
         dif_status status = solve_round(&ls, j, residual, out, err);
         if (status != DIF_OK || m->n_shared == 0)
@@ -190,10 +191,10 @@ static dif_status solve_rounds(const job *j, const int *size, const int *row_blo
     return DIF_OK;
 }
 
-dif_status fit_model_solve(const fit_model *model, int n, const fit_cell *cells, fit_mode mode, double *par,
-                           fit_outcome *out, dif_error *err)
+dif_status dif_fit_model_solve(const dif_fit_model *model, int n, const dif_fit_cell *cells, dif_fit_mode mode,
+                               double *par, dif_fit_outcome *out, dif_error *err)
 {
-    *out = (fit_outcome){0};
+    *out = (dif_fit_outcome){0};
     int size[DIF_FIT_RIDGE_MAX];
     for (int g = 0; g < model->n_group; g++)
         size[g] = model->group[g].size;
