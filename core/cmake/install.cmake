@@ -6,9 +6,11 @@ set(DIF_PUBLIC_HEADERS
     core/fresnel.h core/grating.h core/kernel.h core/lut.h core/nmm.h core/plan.h core/replica.h core/response.h
     core/series.h core/sheet.h core/spectrum.h core/stam.h core/status.h core/thesis.h core/units.h core/vec.h
     core/window.h
-    core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/manifest.h core/io/table_io.h
+    core/io/directions.h core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/lut_io.h core/io/manifest.h
+    core/io/map_io.h core/io/table_io.h
     fixtures/surfaces.h
-    bench/compare_methods.h bench/energy.h bench/fit.h bench/map.h bench/maxima.h bench/measure.h bench/scan.h)
+    bench/compare_methods.h bench/energy.h bench/fit.h bench/lut_check.h bench/map.h bench/maxima.h bench/measure.h
+    bench/scan.h)
 
 add_library(dif_shared SHARED $<TARGET_OBJECTS:dif_core> $<TARGET_OBJECTS:dif_io> $<TARGET_OBJECTS:dif_fixtures>
             $<TARGET_OBJECTS:dif_bench>)
