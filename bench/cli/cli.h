@@ -34,7 +34,7 @@ typedef struct dif_cli_measure {
     double tol;
     int method, quantity, window, average; /* the enums' numbers; average also DIF_AVERAGE_BY_SURFACE */
     int n_terms;
-    bool single, no_jacobian; /* taylor and thesis in float; nmm as the source had it        */
+    bool single, no_jacobian;     /* taylor and thesis in float; nmm as the source had it        */
     double period_nm, groove_deg; /* pq, stam; NaN = from the surface                        */
     int n_replica;
     double sigma_um;
