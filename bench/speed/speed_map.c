@@ -12,7 +12,18 @@
 
 enum { N_LAMBDA = 81 };
 
-/* Largest amplitude error of n pixels of a kept layer, spread by a golden-section stride. */
+/* Pixel at a share of the mirror spot's neighbourhood, where amplitudes, and so their errors, are largest. */
+static size_t mirror_pixel(const dif_map_plan *plan, double share)
+{
+    enum { SIDE = 9 };
+    const int n = plan->n_pixel, at = (int)(share * SIDE * SIDE);
+    const int ix = (int)(0.5 * n * (1.0 - plan->fixed.x)) + at % SIDE - SIDE / 2;
+    const int iy = (int)(0.5 * n * (1.0 + plan->fixed.y)) + at / SIDE - SIDE / 2;
+    return (size_t)iy * (size_t)n + (size_t)ix;
+}
+
+/* Largest amplitude error of n pixels of kept layers, spread by a golden-section stride over the disc and, every second
+ * one, over the mirror spot. */
 static double error_of(const dif_field *field, const dif_map_plan *plan, const dif_map *map,
                        const dif_measure_opts *opts, int n, double *direct_s)
 {
@@ -23,8 +34,11 @@ static double error_of(const dif_field *field, const dif_map_plan *plan, const d
     direct.method = DIF_METHOD_DIRECT;
     for (int i = 0, done = 0; done < n; i++) {
         const double turn = i * 0.6180339887498949;
-        const size_t at = (size_t)((turn - floor(turn)) * (double)n_sample), pixel = at % (n_pixel * n_pixel);
-        dif_query query = {.wi = plan->fixed, .lambda_um = plan->lambda_um[at / (n_pixel * n_pixel)]};
+        const double share = turn - floor(turn);
+        const size_t any = (size_t)(share * (double)n_sample), il = any / (n_pixel * n_pixel);
+        const size_t pixel = i % 2 ? mirror_pixel(plan, 37.0 * share - floor(37.0 * share)) : any % (n_pixel * n_pixel);
+        const size_t at = il * n_pixel * n_pixel + pixel;
+        dif_query query = {.wi = plan->fixed, .lambda_um = plan->lambda_um[il]};
         dif_sample truth;
         dif_measure_stats stats;
         dif_error err;
