@@ -177,7 +177,7 @@ static dif_status solve_rounds(const job *j, const int *size, const int *row_blo
     ls.stride = m->stride;
     ls.eval = eval;
     ls.self = &mine;
-    for (dif_fit_mode round = DIF_FIT_LINEAR; round <= mode; round++) {
+    for (dif_fit_mode round = DIF_FIT_LINEAR; round <= mode && round <= DIF_FIT_ROBUST; round++) {
         ls.n_iteration_max = n_iteration_max[round];
         ls.hold_shared = round == DIF_FIT_LINEAR;
         ls.linear = round == DIF_FIT_LINEAR && !m->coherent;
