@@ -102,7 +102,7 @@ static dif_status measure(const dif_cli *cli, const map_args *args, map_run *run
 {
     dif_progress progress = dif_progress_begin(cli->verb, cli->quiet);
     dif_map_image *image = &run->image;
-    dif_map map;
+    dif_map map = {0};
     dif_status status = fill_image(args, image, err);
     if (!status)
         status = dif_cli_check_out(args->out, err);
