@@ -1,0 +1,71 @@
+/* The GPU side: a headless OpenGL ES 3.1 context and an evaluator (core/evaluator.h) whose shaders read the same model.
+ * Links libepoxy alone. Needs no window system: EGL surfaceless on Mesa, an EGL device on a vendor's driver.
+ * Threads: a context belongs to the thread that opened it.
+ * Does not: print, open files (shaders are compiled into the library), measure. */
+#ifndef DIF_GPU_H
+#define DIF_GPU_H
+
+#include <stdbool.h>
+
+#include "core/evaluator.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct dif_gpu dif_gpu;
+
+typedef struct dif_gpu_opts {
+    bool require_hardware; /* a software renderer is DIF_ERR_RESOURCE */
+} dif_gpu_opts;
+
+dif_gpu_opts dif_gpu_opts_default(void);
+
+/* What was found. */
+typedef struct dif_gpu_info {
+    char renderer[160], vendor[96], version[96]; /* as the driver says                               */
+    char platform[32];                           /* "surfaceless", "device"                          */
+    bool software;                               /* llvmpipe, softpipe, swrast, SwiftShader          */
+    bool float_linear;                           /* float32 textures can be filtered                 */
+    bool timer;                                  /* timer queries                                    */
+    int texture_max, layers_max;                 /* largest texture side, largest number of layers   */
+} dif_gpu_info;
+
+/* Opens a context.
+ * Status    DIF_ERR_RESOURCE: no EGL, no OpenGL ES 3.1, software where hardware was asked for (the text says which)
+ * Owns      the caller closes with dif_gpu_close, after every evaluator and renderer made from it */
+DIF_MUST_USE dif_status dif_gpu_open(const dif_gpu_opts *opts, dif_gpu **out, dif_error *err);
+void dif_gpu_close(dif_gpu *gpu);
+dif_gpu_info dif_gpu_info_of(const dif_gpu *gpu);
+
+typedef enum dif_gpu_path {
+    DIF_GPU_COMPUTE, /* GLSL ES 3.10 compute shaders                                     */
+    DIF_GPU_FRAGMENT /* GLSL ES 3.00 fragment shaders, which a browser can run, too      */
+} dif_gpu_path;
+
+/* Deliberately wrong shaders: negative controls of the comparison. */
+typedef enum dif_gpu_fault {
+    DIF_GPU_FAULT_NONE,
+    DIF_GPU_FAULT_PLANE, /* the last plane (lut: map) is not read        */
+    DIF_GPU_FAULT_SIGN,  /* one tap's imaginary part (lut: one map) has the wrong sign */
+    DIF_GPU_FAULT_TAP    /* one tap of the lateral kernel is not read    */
+} dif_gpu_fault;
+
+typedef struct dif_gpu_eval_opts {
+    dif_gpu_path path;
+    dif_gpu_fault fault;
+    bool half; /* lut: half-float texels, as a game would; else float where it can be filtered */
+} dif_gpu_eval_opts;
+
+dif_gpu_eval_opts dif_gpu_eval_opts_default(void);
+
+/* An evaluator on the GPU. The model must outlive it; a second one of the same gpu may live beside it.
+ * Status    DIF_ERR_ARG, DIF_ERR_UNSUPPORTED, DIF_ERR_NOMEM, DIF_ERR_SIZE (a texture beyond the limit: both numbers),
+ *           DIF_ERR_FOREIGN (a shader's log with our file and line; a GL error); *out zeroed on failure */
+DIF_MUST_USE dif_status dif_gpu_evaluator_open(dif_gpu *gpu, const dif_model *model, const dif_gpu_eval_opts *opts,
+                                               dif_evaluator *out, dif_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
