@@ -90,7 +90,7 @@ static void test_read__chooses_the_channel(void **state)
     expect_channel(&sample, NULL, 0, 0.0);
     dif_field_request request = request_um();
     request.channel = "Q";
-    assert_parse_fails(sample.data, sample.n, &request, DIF_ERR_FORMAT, "no channel 'Q', the first of 2 is 'depth'");
+    assert_parse_fails(sample.data, sample.n, &request, DIF_ERR_FORMAT, "no channel 'Q', it has 1 depth (no unit), 2 other (no unit)");
 }
 
 static void test_read__refuses_kinds_that_hold_no_plain_floats(void **state)

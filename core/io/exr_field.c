@@ -31,14 +31,20 @@ static const char *look_up(void *self, const char *key)
     return buffer;
 }
 
-/* Our own attributes, which win over Gwyddion's. */
-static dif_status take_own(const dif_source *source, const dif_exr *exr, dif_raw *raw, dif_error *err)
+/* Refuses our own files that hold something else. */
+static dif_status check_kind(const dif_source *source, const dif_exr *exr, dif_error *err)
 {
     if (dif_exr_text(exr, DIF_EXR_PREFIX "fixed_angle"))
         return dif_fail(err, DIF_ERR_FORMAT, "%s: a response table, want a heightfield", source->name);
     const char *layout = dif_exr_text(exr, DIF_EXR_PREFIX "layout");
     if (layout)
         return dif_fail(err, DIF_ERR_FORMAT, "%s: holds '%.40s', want a heightfield", source->name, layout);
+    return DIF_OK;
+}
+
+/* Our own attributes, which win over Gwyddion's. */
+static dif_status take_own(const dif_source *source, const dif_exr *exr, dif_raw *raw, dif_error *err)
+{
     double x_um = NAN, y_um = NAN;
     const bool has_x = dif_exr_number(exr, PITCH_X, &x_um), has_y = dif_exr_number(exr, PITCH_Y, &y_um);
     if (has_x || has_y) {
@@ -54,6 +60,46 @@ static dif_status take_own(const dif_source *source, const dif_exr *exr, dif_raw
     return DIF_OK;
 }
 
+/* The one unit of all channels, as text; empty if the file says none. */
+static const char *unit_of(const dif_exr *exr)
+{
+    static const char *const KEYS[] = {Z_UNIT, "Gwy::ZUnit", "Gwy::ZUnits"};
+    for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++) {
+        const char *unit = dif_exr_text(exr, KEYS[i]);
+        if (unit)
+            return unit;
+    }
+    return "";
+}
+
+dif_status dif_exr_field_list(const dif_source *source, dif_channels *out, dif_error *err)
+{
+    dif_exr *exr = NULL;
+    dif_channel channel = {0};
+    dif_status status = dif_exr_open(source, &exr, err);
+    if (status)
+        return status;
+    status = check_kind(source, exr, err);
+    dif_exr_size(exr, &channel.nx, &channel.ny);
+    if (!status)
+        status = dif_raw_check_size(source, channel.nx, channel.ny, err);
+    const char *unit = unit_of(exr);
+    double unit_um = 0.0;
+    dif_text_copy(channel.unit, sizeof channel.unit, unit, strlen(unit));
+    channel.is_height = dif_unit_parse(unit, strlen(unit), &unit_um);
+    for (int i = 0; i < dif_exr_n_channel(exr) && !status; i++) {
+        const char *name = dif_exr_channel_name(exr, i);
+        dif_text_copy(channel.name, sizeof channel.name, name, strlen(name));
+        status = dif_channels_add(source, &channel, out, err);
+        if (strcmp(name, "R") == 0)
+            out->preferred = i;
+    }
+    if (!status && out->n == 0)
+        status = dif_fail(err, DIF_ERR_FORMAT, "%s: no channels", source->name);
+    dif_exr_close(exr);
+    return status;
+}
+
 static dif_status take_pixels(const dif_source *source, const float *pixel, dif_raw *raw, dif_error *err)
 {
     const dif_status status = dif_raw_allocate(source, raw->nx, raw->ny, raw, err);
@@ -65,7 +111,7 @@ static dif_status take_pixels(const dif_source *source, const float *pixel, dif_
     return DIF_OK;
 }
 
-dif_status dif_exr_field_read(const dif_source *source, const char *channel, dif_raw *raw, dif_error *err)
+dif_status dif_exr_field_read(const dif_source *source, int index, dif_raw *raw, dif_error *err)
 {
     *raw = dif_raw_empty("exr");
     dif_exr *exr = NULL;
@@ -77,7 +123,7 @@ dif_status dif_exr_field_read(const dif_source *source, const char *channel, dif
     dif_exr_size(exr, &raw->nx, &raw->ny);
     status = dif_raw_check_size(source, raw->nx, raw->ny, err);
     if (!status)
-        status = dif_exr_read_channel(exr, channel, &pixel, found, err);
+        status = dif_exr_read_channel(exr, dif_exr_channel_name(exr, index), &pixel, found, err);
     if (!status)
         status = take_pixels(source, pixel, raw, err);
     if (status)

@@ -84,7 +84,8 @@ typedef struct dif_exr_image {
 DIF_MUST_USE dif_status dif_exr_encode(const dif_exr_image *image, unsigned char **data, size_t *n, dif_error *err);
 
 /* A heightfield from and to EXR (exr_field.c). */
-DIF_MUST_USE dif_status dif_exr_field_read(const dif_source *source, const char *channel, dif_raw *raw, dif_error *err);
+DIF_MUST_USE dif_status dif_exr_field_list(const dif_source *source, dif_channels *out, dif_error *err);
+DIF_MUST_USE dif_status dif_exr_field_read(const dif_source *source, int index, dif_raw *raw, dif_error *err);
 DIF_MUST_USE dif_status dif_exr_field_encode(const dif_field *field, const dif_manifest *manifest, unsigned char **data,
                                              size_t *n, dif_error *err);
 

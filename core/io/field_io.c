@@ -8,7 +8,6 @@
 #include "core/io/exr_io.h"
 #include "core/io/field_raw.h"
 #include "core/io/file.h"
-#include "core/io/image_head.h"
 #include "core/io/unit.h"
 #include "core/units.h"
 
@@ -18,54 +17,6 @@ dif_field_request dif_field_request_default(void)
 {
     const dif_field_request request = {.pixel_um = NAN, .size_um = NAN, .height_um = NAN};
     return request;
-}
-
-/* Formats that are known and not read. */
-static const struct {
-    const char *magic, *what;
-} UNREADABLE[] = {
-    {"\\*Force file list", "a NanoScope force curve, not an image"},
-    {"\\*File list", "a NanoScope image"},
-    {"\\*EC File list", "a NanoScope image"},
-    {"?*File list", "a NanoScope image as text"},
-    {"GWYP", "a Gwyddion file"},
-    {"GWYO", "a Gwyddion file (version 1)"},
-    {"bBCR", "an SDF surface"},
-    {"bISO", "an SDF surface"},
-    {"aBCR", "an SDF surface as text"},
-    {"aISO", "an SDF surface as text"},
-    {"PK\x03\x04", "a zip archive (x3p surface?)"},
-    {"\x1f\x8b", "a gzip archive, unpack it first"},
-    {"\xff\xd8\xff", "a JPEG picture, which is lossy"},
-    {"\x89HDF", "an HDF5 file"},
-    {"CDF", "a netCDF file"},
-};
-
-static dif_status refuse_known(const dif_source *source, dif_error *err)
-{
-    for (size_t i = 0; i < sizeof UNREADABLE / sizeof *UNREADABLE; i++) {
-        if (dif_source_has(source, 0, UNREADABLE[i].magic, strlen(UNREADABLE[i].magic)))
-            return dif_fail(err, DIF_ERR_UNSUPPORTED, "%s: %s; want EXR, PNG, TIFF, BMP, GSF or a text matrix",
-                            source->name, UNREADABLE[i].what);
-    }
-    return DIF_OK;
-}
-
-static dif_status read_raw(const dif_source *source, const dif_field_request *request, dif_raw *raw, dif_error *err)
-{
-    static const char GSF_MAGIC[] = "Gwyddion Simple Field 1.0\n";
-    if (source->n == 0)
-        return dif_fail(err, DIF_ERR_FORMAT, "%s: empty file", source->name);
-    const dif_status status = refuse_known(source, err);
-    if (status)
-        return status;
-    if (dif_source_has(source, 0, GSF_MAGIC, sizeof GSF_MAGIC - 1))
-        return dif_gsf_read(source, raw, err);
-    if (dif_exr_is(source))
-        return dif_exr_field_read(source, request->channel, raw, err);
-    if (dif_image_is(source->data, source->n))
-        return dif_image_field_read(source, raw, err);
-    return dif_text_matrix_read(source, raw, err);
 }
 
 static bool is_said(double value)
@@ -152,6 +103,11 @@ static dif_status check_scale(const dif_source *source, const dif_raw *raw, doub
     const char *height = has_unit ? "" : raw->bits > 0 ? "--height-um (black to white)" : "--z-unit (nm, um, m)";
     if (has_pitch && has_unit)
         return DIF_OK;
+    if (!has_unit && raw->unit[0])
+        return dif_fail(err, DIF_ERR_SCALE,
+                        "%s: channel '%.40s' is in %s, which is no length; to take its numbers as "
+                        "heights give %s%s%s",
+                        source->name, raw->title, raw->unit, height, *lateral ? ", and " : "", lateral);
     return dif_fail(err, DIF_ERR_SCALE, "%s: %s has no %s in it, give %s%s%s", source->name, raw->format,
                     has_pitch  ? "height scale"
                     : has_unit ? "lateral scale"
@@ -177,6 +133,8 @@ static dif_status finish(const dif_source *source, dif_raw *raw, const dif_field
         return dif_fail_named(err, source->name, status == DIF_ERR_ARG ? DIF_ERR_FORMAT : status);
     memcpy(out->format, raw->format, sizeof out->format);
     memcpy(out->title, raw->title, sizeof out->title);
+    if (raw->warning[0])
+        warn(out, raw->warning);
     out->bits = raw->bits;
     if (raw->bits > 0)
         out->step_um = fabs(unit_um);
@@ -199,13 +157,32 @@ dif_status dif_field_parse(const unsigned char *data, size_t n, const char *name
     dif_raw raw = dif_raw_empty("");
     dif_status status = check_request(&source, request, err);
     if (!status)
-        status = read_raw(&source, request, &raw, err);
+        status = dif_reader_read(&source, request->channel, &raw, &out->channel, &out->n_channel, err);
     if (!status)
         status = finish(&source, &raw, request, out, err);
     if (status) {
         dif_raw_free(&raw);
         *out = (dif_field_file){0};
     }
+    return status;
+}
+
+dif_status dif_field_channels_parse(const unsigned char *data, size_t n, const char *name, dif_channels *out,
+                                    dif_error *err)
+{
+    const dif_source source = dif_source_of(data, n, name);
+    return dif_reader_list(&source, out, err);
+}
+
+dif_status dif_field_channels(const char *path, dif_channels *out, dif_error *err)
+{
+    unsigned char *data = NULL;
+    size_t n = 0;
+    *out = (dif_channels){0};
+    dif_status status = dif_file_read(path, FILE_MAX, &data, &n, err);
+    if (!status)
+        status = dif_field_channels_parse(data, n, path, out, err);
+    dif_release(data);
     return status;
 }
 

@@ -1,8 +1,10 @@
 /* Heightfields from and to files, recognised by content.
- * In: EXR, PNG/TIFF/BMP, GSF, text matrices.  Out: EXR, GSF.
+ * In: NanoScope, GWY, EXR, PNG/TIFF/BMP, GSF, text matrices.  Out: EXR, GSF.
  * Does not: level, fill or guess a scale. */
 #ifndef DIF_FIELD_IO_H
 #define DIF_FIELD_IO_H
+
+#include <stdbool.h>
 
 #include "core/field.h"
 #include "core/io/manifest.h"
@@ -17,7 +19,7 @@ typedef struct dif_field_request {
     double size_um;      /* --size-um: extent along x, square pixels                          */
     double height_um;    /* --height-um: full range of an image's values (black to white)     */
     const char *z_unit;  /* --z-unit: unit of a text's or unitless EXR's numbers ("nm", "um", "m") */
-    const char *channel; /* --channel: name of an EXR channel                                 */
+    const char *channel; /* --channel: name or number of one, see dif_channels_find           */
 } dif_field_request;
 
 dif_field_request dif_field_request_default(void);
@@ -28,12 +30,46 @@ typedef struct dif_field_file {
     char title[128];   /* channel or title, may be empty                                    */
     double step_um;    /* height of one quantisation step of an integer image, 0 = none      */
     int bits;          /* of an integer image, 0 = not one                                   */
+    int channel;       /* number of the channel that was read, from 1                        */
+    int n_channel;     /* that the file has                                                  */
     char warning[200]; /* one line for the user, or empty                                    */
 } dif_field_file;
 
+/* One image of a file. */
+enum { DIF_CHANNEL_NAME_SIZE = 128, DIF_CHANNEL_UNIT_SIZE = 24, DIF_CHANNELS_MAX = 1024 };
+typedef struct dif_channel {
+    char name[DIF_CHANNEL_NAME_SIZE];  /* may be empty, and several may have one name                        */
+    char alias[DIF_CHANNEL_NAME_SIZE]; /* a second name, as the instrument's program shows it, may be empty  */
+    char unit[DIF_CHANNEL_UNIT_SIZE];  /* of its values, "nm", "V", "deg" ...; empty = the file does not say */
+    int nx, ny;
+    bool is_height; /* the unit is a length */
+} dif_channel;
+
+typedef struct dif_channels {
+    int n;
+    dif_channel *channel; /* channel[n], owned; the user's number of channel[i] is i + 1               */
+    int preferred;        /* which is read if none is asked for; -1 = none is known to be heights      */
+    char format[32];      /* as in dif_field_file                                                      */
+} dif_channels;
+
+/* Lists the images of a file, whether or not they have a scale. Files of a format with one image have one channel.
+ *
+ * Status    as dif_field_read; DIF_ERR_SIZE for more than DIF_CHANNELS_MAX; *out zeroed on failure */
+DIF_MUST_USE dif_status dif_field_channels(const char *path, dif_channels *out, dif_error *err);
+DIF_MUST_USE dif_status dif_field_channels_parse(const unsigned char *data, size_t n, const char *name,
+                                                 dif_channels *out, dif_error *err);
+void dif_channels_free(dif_channels *channels);
+
+/* The channel that `which` means: a name or alias (letters may differ in case), else the only one that begins so, else
+ * a number from 1. NULL is the preferred channel.
+ *
+ * Status    DIF_ERR_FORMAT if there is none, or several; the text tells which there are, without the file's name */
+DIF_MUST_USE dif_status dif_channels_find(const dif_channels *channels, const char *which, int *index, dif_error *err);
+
 /* Reads a file. What the request says wins over what the file says of itself, with a warning if they differ.
  *
- * Integer images: values 0 to 2^bits - 1 span height_um. EXR: the channel of the request, else R, else the first. Text: a
+ * Integer images: values 0 to 2^bits - 1 span height_um. Of several channels
+ * the one of the request is read, else the file's height channel (EXR: R, else the first). Text: a
  * list of x y z becomes a grid with the largest y at the top, all three in z_unit unless pixel_um or size_um is said.
  * Up to 2^28 samples.
  *

@@ -47,14 +47,19 @@ dif_status dif_raw_allocate(const dif_source *source, long long nx, long long ny
     return DIF_OK;
 }
 
-void dif_raw_set_title(dif_raw *raw, const char *text, size_t n)
+void dif_text_copy(char *out, size_t size, const char *text, size_t n)
 {
-    size_t n_copy = n < sizeof raw->title - 1 ? n : sizeof raw->title - 1;
+    size_t n_copy = n < size - 1 ? n : size - 1;
     while (n_copy < n && n_copy > 0 && ((unsigned char)text[n_copy] & 0xc0u) == 0x80u)
         n_copy--;
     for (size_t i = 0; i < n_copy; i++)
-        raw->title[i] = (unsigned char)text[i] < 0x20u || text[i] == 0x7f ? ' ' : text[i];
-    raw->title[n_copy] = '\0';
+        out[i] = (unsigned char)text[i] < 0x20u || text[i] == 0x7f ? ' ' : text[i];
+    out[n_copy] = '\0';
+}
+
+void dif_raw_set_title(dif_raw *raw, const char *text, size_t n)
+{
+    dif_text_copy(raw->title, sizeof raw->title, text, n);
 }
 
 /* The number of a key times a unit; *out stays if the key is missing. */

@@ -4,6 +4,7 @@
 #define DIF_FIELD_RAW_H
 
 #include "core/field.h"
+#include "core/io/field_io.h"
 #include "core/io/manifest.h"
 #include "core/io/source.h"
 
@@ -17,6 +18,8 @@ typedef struct dif_raw {
     double unit_um, offset_um;     /* height = offset_um + unit_um z; unit NaN = not said       */
     int bits;                      /* of an integer image, else 0                               */
     char format[32], title[128];
+    char unit[DIF_CHANNEL_UNIT_SIZE]; /* of z, if the file says one that is no length ("V") */
+    char warning[120];                /* one sentence for the user, or empty                */
 } dif_raw;
 
 /* Says nothing: NaN everywhere, offset 0. */
@@ -41,6 +44,33 @@ typedef const char *dif_key_lookup(void *self, const char *key);
  * Status DIF_ERR_FORMAT for values that are no positive lengths */
 DIF_MUST_USE dif_status dif_raw_take_gwy_keys(const dif_source *source, dif_key_lookup *lookup, void *self,
                                               dif_raw *raw, dif_error *err);
+
+/* A format: one row of the table in field_readers.c. `read` for formats with one image, else `list` and `read_channel`,
+ * which gets an index into what `list` gave. On failure *raw is empty and *out holds what dif_channels_free frees. */
+typedef struct dif_reader {
+    const char *format;
+    bool (*is)(const dif_source *source);
+    dif_status (*read)(const dif_source *source, dif_raw *raw, dif_error *err);
+    dif_status (*list)(const dif_source *source, dif_channels *out, dif_error *err);
+    dif_status (*read_channel)(const dif_source *source, int index, dif_raw *raw, dif_error *err);
+} dif_reader;
+
+/* The row of a source. Status DIF_ERR_FORMAT (empty file), DIF_ERR_UNSUPPORTED (known and not read) */
+DIF_MUST_USE dif_status dif_reader_find(const dif_source *source, const dif_reader **out, dif_error *err);
+
+/* Reads the channel that `which` means (NULL: the preferred one); *index and *n_channel say which of how many. */
+DIF_MUST_USE dif_status dif_reader_read(const dif_source *source, const char *which, dif_raw *raw, int *index,
+                                        int *n_channel, dif_error *err);
+
+/* Lists the channels of a source of any format. */
+DIF_MUST_USE dif_status dif_reader_list(const dif_source *source, dif_channels *out, dif_error *err);
+
+/* Appends a channel. Status DIF_ERR_SIZE over DIF_CHANNELS_MAX, DIF_ERR_NOMEM */
+DIF_MUST_USE dif_status dif_channels_add(const dif_source *source, const dif_channel *channel, dif_channels *channels,
+                                         dif_error *err);
+
+/* Copies at most size - 1 bytes of UTF-8 text, whole characters, control characters as blanks. */
+void dif_text_copy(char *out, size_t size, const char *text, size_t n);
 
 /* Readers: one a format; *raw is empty on failure. */
 DIF_MUST_USE dif_status dif_gsf_read(const dif_source *source, dif_raw *raw, dif_error *err);
