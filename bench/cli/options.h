@@ -28,7 +28,7 @@ typedef struct dif_opt {
     bool *given; /* set to true if the flag was given; may be NULL                             */
 } dif_opt;
 
-enum { DIF_OPT_MAX = 48, DIF_OPERAND_MAX = 64 };
+enum { DIF_OPT_MAX = 80, DIF_OPERAND_MAX = 1024 };
 
 /* What a verb says of itself in --help. */
 typedef struct dif_cli_help {

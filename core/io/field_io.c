@@ -115,6 +115,17 @@ static dif_status check_scale(const dif_source *source, const dif_raw *raw, doub
                     lateral, *lateral && *height ? ", and " : "", height);
 }
 
+/* A field whose missing heights are allowed is checked for its shape alone, otherwise the text names the way out. */
+static dif_status check_field(const dif_field *field, bool allow_missing, dif_error *err)
+{
+    dif_error detail;
+    const dif_status status = dif_field_check(field, &detail);
+    if (!status || (status == DIF_ERR_NONFINITE && allow_missing))
+        return DIF_OK;
+    return dif_fail(err, status, "%s%s", detail.text,
+                    status == DIF_ERR_NONFINITE ? " (missing points: --fill interpolates them)" : "");
+}
+
 static dif_status finish(const dif_source *source, dif_raw *raw, const dif_field_request *request, dif_field_file *out,
                          dif_error *err)
 {
@@ -125,10 +136,12 @@ static dif_status finish(const dif_source *source, dif_raw *raw, const dif_field
     if (status)
         return status;
     const size_t n = (size_t)raw->nx * (size_t)raw->ny;
-    for (size_t i = 0; i < n; i++)
-        raw->z[i] = offset_um + unit_um * raw->z[i];
+    for (size_t i = 0; i < n; i++) {
+        const double z_um = offset_um + unit_um * raw->z[i];
+        raw->z[i] = request->allow_missing && !isfinite(z_um) ? (double)NAN : z_um;
+    }
     out->field = (dif_field){raw->nx, raw->ny, pitch_um[0], pitch_um[1], raw->z};
-    status = dif_field_check(&out->field, err);
+    status = check_field(&out->field, request->allow_missing, err);
     if (status)
         return dif_fail_named(err, source->name, status == DIF_ERR_ARG ? DIF_ERR_FORMAT : status);
     memcpy(out->format, raw->format, sizeof out->format);

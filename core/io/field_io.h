@@ -20,19 +20,21 @@ typedef struct dif_field_request {
     double height_um;    /* --height-um: full range of an image's values (black to white)     */
     const char *z_unit;  /* --z-unit: unit of a text's or unitless EXR's numbers ("nm", "um", "m") */
     const char *channel; /* --channel: name or number of one, see dif_channels_find           */
+    bool allow_missing;  /* heights that are not finite come as NaN instead of an error           */
 } dif_field_request;
 
 dif_field_request dif_field_request_default(void);
 
 typedef struct dif_field_file {
     dif_field field;
-    char format[32];   /* "gsf", "exr", "png", "text", ...                                   */
-    char title[128];   /* channel or title, may be empty                                    */
-    double step_um;    /* height of one quantisation step of an integer image, 0 = none      */
-    int bits;          /* of an integer image, 0 = not one                                   */
-    int channel;       /* number of the channel that was read, from 1                        */
-    int n_channel;     /* that the file has                                                  */
-    char warning[200]; /* one line for the user, or empty                                    */
+    char format[32];    /* "gsf", "exr", "png", "text", ...                                   */
+    char title[128];    /* channel or title, may be empty                                    */
+    double step_um;     /* height of one quantisation step of an integer image, 0 = none      */
+    int bits;           /* of an integer image, 0 = not one                                   */
+    int channel;        /* number of the channel that was read, from 1                        */
+    int n_channel;      /* that the file has                                                  */
+    char warning[200];  /* one line for the user, or empty                                    */
+    char history[2048]; /* what was done to the heights since they were read, or empty        */
 } dif_field_file;
 
 /* One image of a file. */
