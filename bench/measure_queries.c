@@ -10,24 +10,12 @@
 
 enum { CHUNK = 1024 };
 
-static dif_status check_query(size_t i, const dif_query *query, dif_error *err)
-{
-    const double norm_i = dif_vec3_dot(query->wi, query->wi), norm_o = dif_vec3_dot(query->wo, query->wo);
-    if (!(query->lambda_um > 0.0 && query->lambda_um < 1e6))
-        return dif_fail(err, DIF_ERR_ARG, "query %zu: wavelength %g um, want > 0", i + 1, query->lambda_um);
-    if (!(fabs(norm_i - 1.0) < 1e-9 && fabs(norm_o - 1.0) < 1e-9))
-        return dif_fail(err, DIF_ERR_ARG, "query %zu: directions are not unit vectors", i + 1);
-    if (!(query->wi.z > 0.0 && query->wo.z > 0.0))
-        return dif_fail(err, DIF_ERR_ARG, "query %zu: a direction is not above the surface", i + 1);
-    return DIF_OK;
-}
-
 /* kappa of all queries and the band they need. */
 static dif_status kappa_make(size_t n, const dif_query *query, dif_vec3 *kappa, dif_band *band, dif_error *err)
 {
     *band = (dif_band){0.0, (double)INFINITY, 0.0};
     for (size_t i = 0; i < n; i++) {
-        const dif_status status = check_query(i, query + i, err);
+        const dif_status status = dif_query_check(i, query + i, err);
         if (status != DIF_OK)
             return status;
         kappa[i] = dif_measure_kappa(query + i);

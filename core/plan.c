@@ -39,6 +39,18 @@ bool dif_quantity_from_name(const char *name, dif_quantity *out)
     return false;
 }
 
+dif_status dif_query_check(size_t i, const dif_query *query, dif_error *err)
+{
+    const double norm_i = dif_vec3_dot(query->wi, query->wi), norm_o = dif_vec3_dot(query->wo, query->wo);
+    if (!(query->lambda_um > 0.0 && query->lambda_um < 1e6))
+        return dif_fail(err, DIF_ERR_ARG, "query %zu: wavelength %g um, want > 0", i + 1, query->lambda_um);
+    if (!(fabs(norm_i - 1.0) < 1e-9 && fabs(norm_o - 1.0) < 1e-9))
+        return dif_fail(err, DIF_ERR_ARG, "query %zu: directions are not unit vectors", i + 1);
+    if (!(query->wi.z > 0.0 && query->wo.z > 0.0))
+        return dif_fail(err, DIF_ERR_ARG, "query %zu: a direction is not above the surface", i + 1);
+    return DIF_OK;
+}
+
 dif_status dif_plan_create(int n_angle, int n_lambda, dif_plan *out, dif_error *err)
 {
     *out = (dif_plan){0};

@@ -29,6 +29,10 @@ typedef struct dif_query {
     double lambda_um;
 } dif_query;
 
+/* DIF_OK, or DIF_ERR_ARG if query i (counted from 0) has a bad wavelength, a direction that is not a unit vector or one
+ * that is not above the surface. */
+DIF_MUST_USE dif_status dif_query_check(size_t i, const dif_query *query, dif_error *err);
+
 /* An in-plane scan: one angle fixed, the other (signed, in the same plane) runs, for each wavelength. */
 typedef struct dif_plan {
     bool fixed_is_wo;   /* false: wi is fixed and wo runs; true: the reverse      */

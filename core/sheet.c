@@ -266,3 +266,22 @@ dif_sheet_info dif_sheet_info_of(const dif_sheet *sheet)
 {
     return sheet->info;
 }
+
+/* Whether all taps of a point are stored; core/response.c folds the same way. */
+static bool axis_covers(const dif_axis *axis, double kappa)
+{
+    double at = kappa / axis->step;
+    if (axis->period)
+        at -= axis->period * nearbyint(at / axis->period);
+    const double first = ceil(at - axis->first - 0.5 * axis->kernel.width);
+    return first >= 0.0 && first + axis->kernel.width <= axis->n;
+}
+
+bool dif_sheet_covers(const dif_sheet *sheet, dif_vec3 kappa)
+{
+    const double c = cos(sheet->info.azimuth_rad), s = sin(sheet->info.azimuth_rad);
+    const bool depth = sheet->basis == DIF_BASIS_POWERS || axis_covers(&sheet->z, -kappa.z);
+    if (sheet->is_line)
+        return depth && axis_covers(&sheet->s, c * kappa.x + s * kappa.y);
+    return depth && axis_covers(&sheet->s, kappa.x) && axis_covers(&sheet->y, kappa.y);
+}

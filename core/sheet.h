@@ -72,9 +72,15 @@ typedef struct dif_sheet_info {
     int n_bin_x, n_bin_y; /* frequency bins kept per plane (n_bin_y = 1 for a line)                     */
     size_t n_byte;        /* size of the stored planes                                                     */
     bool single;          /* stored in float                                                               */
+    bool is_line;         /* made by dif_sheet_create_line                                                 */
+    double azimuth_rad;   /* of a line's plane, as asked for; 0 for a volume                               */
 } dif_sheet_info;
 
 dif_sheet_info dif_sheet_info_of(const dif_sheet *sheet);
+
+/* Whether a point lies in the band that the sheet was made for, so that core/response.h may read it there. Of a line's
+ * point only the component along its azimuth counts. */
+bool dif_sheet_covers(const dif_sheet *sheet, dif_vec3 kappa);
 
 /* An order in which to read many points of a volume sheet so that neighbours share memory: order[n] is a permutation,
  * sorted by tiles of frequency bins.  Status DIF_ERR_NOMEM.  Cost O(n + tiles) */

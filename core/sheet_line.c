@@ -271,7 +271,8 @@ dif_status dif_sheet_create_line(const dif_field *field, const dif_window *windo
     dif_status status = dif_sheet_begin(field, window, band, tol, opts, n_lateral, SIGMA_LINE, &b.sheet, err);
     if (status != DIF_OK)
         return status;
-    b.sheet->is_line = true;
+    b.sheet->is_line = b.sheet->info.is_line = true;
+    b.sheet->info.azimuth_rad = azimuth_rad;
     b.factors = dif_sheet_factors(b.sheet, &b.n_plane);
     const double k_max = band->k_lateral_max_rad_per_um;
     status = dif_sheet_window(b.sheet, field, window, &b.wx, &b.wy, err);

@@ -3,7 +3,7 @@
 # Every header of core, core/io, fixtures and bench is public or internal; tests/audit holds this list to the tree.
 set(DIF_PUBLIC_HEADERS
     core/alloc.h core/brdf.h core/colour.h core/conventions.h core/direct.h core/domain.h core/fft.h core/field.h
-    core/fresnel.h core/grating.h core/kernel.h core/lut.h core/nmm.h core/plan.h core/replica.h core/response.h
+    core/evaluator.h core/fresnel.h core/grating.h core/kernel.h core/lut.h core/model.h core/nmm.h core/plan.h core/replica.h core/response.h
     core/series.h core/sheet.h core/spectrum.h core/stam.h core/status.h core/thesis.h core/units.h core/vec.h
     core/window.h
     core/io/directions.h core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/lut_io.h core/io/manifest.h
