@@ -22,11 +22,11 @@ dif_status dif_lut_measure(const dif_field *field, int n_lambda, const double *l
     dif_status status = dif_measure_check_opts(field, tol, opts, err);
     if (status == DIF_OK)
         status = dif_window_set_make(field, opts, &set, err);
-    if (status != DIF_OK)
-        return status;
-    const int threads = dif_measure_threads(opts);
-    status = dif_lut_create(field, set.n, set.window, set.share, n_lambda, lambda_um, tol, how, out, err);
-    omp_set_num_threads(threads);
+    if (status == DIF_OK) {
+        const int threads = dif_measure_threads(opts);
+        status = dif_lut_create(field, set.n, set.window, set.share, n_lambda, lambda_um, tol, how, out, err);
+        omp_set_num_threads(threads);
+    }
     *n_window = set.n;
     dif_window_set_free(&set);
     return status;

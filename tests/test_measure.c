@@ -294,6 +294,11 @@ static void test_measure__null_options_are_the_defaults(void **state)
     assert_memory_equal(&said, &unsaid, sizeof said);
     dif_table with = measure(&field, &plan, 1e-9, &opts, NULL), without = measure(&field, &plan, 1e-9, NULL, NULL);
     assert_at_most(worst_amplitude(&with, &without), 0.0);
+    double said_xyz[5][3], unsaid_xyz[5][3];
+    assert_int_equal(plan.n_angle, 5);
+    assert_int_equal(dif_measure_colours(&field, &plan, 1e-9, &opts, said_xyz, NULL, NULL), DIF_OK);
+    assert_int_equal(dif_measure_colours(&field, &plan, 1e-9, NULL, unsaid_xyz, NULL, NULL), DIF_OK);
+    assert_memory_equal(said_xyz, unsaid_xyz, sizeof said_xyz);
     dif_measure_check check;
     assert_int_equal(dif_measure_check_table(&field, &without, NULL, 5, 1, &check, NULL), DIF_OK);
     assert_at_most(check.worst_amplitude, 1e-9);

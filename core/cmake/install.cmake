@@ -9,7 +9,7 @@ set(DIF_PUBLIC_HEADERS
     core/io/directions.h core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/lut_io.h core/io/manifest.h
     core/io/map_io.h core/io/table_io.h
     fixtures/surfaces.h
-    bench/compare_methods.h bench/energy.h bench/fit.h bench/lut_check.h bench/map.h bench/maxima.h bench/measure.h
+    bench/compare_methods.h bench/energy.h bench/fit.h bench/lut_check.h bench/map.h bench/maxima.h bench/measure.h bench/model_build.h
     bench/scan.h)
 
 add_library(dif_shared SHARED $<TARGET_OBJECTS:dif_core> $<TARGET_OBJECTS:dif_io> $<TARGET_OBJECTS:dif_fixtures>
