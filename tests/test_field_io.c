@@ -3,7 +3,6 @@
 
 #include "tests/io_cases.h"
 
-#include <jansson.h>
 #include <unistd.h>
 
 static void test_parse__known_formats_that_are_not_read_say_so(void **state)
@@ -12,18 +11,8 @@ static void test_parse__known_formats_that_are_not_read_say_so(void **state)
     static const struct {
         const char *bytes, *what;
     } FORMATS[] = {
-        {"\\*File list\r\n\\Version: 0x09", "a NanoScope image"},
-        {"\\*EC File list\r\n", "a NanoScope image"},
-        {"\\*Force file list\r\n", "a NanoScope force curve, not an image"},
-        {"?*File list\r\n", "a NanoScope image as text"},
         {"GWYPGwyContainer", "a Gwyddion file"},
         {"GWYO", "a Gwyddion file (version 1)"},
-        {"bBCR-1.0", "an SDF surface"},
-        {"bISO-1.0", "an SDF surface"},
-        {"aBCR-1.0", "an SDF surface as text"},
-        {"aISO-1.0", "an SDF surface as text"},
-        {"PK\x03\x04", "a zip archive (x3p surface?)"},
-        {"\x1f\x8b\x08", "a gzip archive, unpack it first"},
         {"\xff\xd8\xff\xe0", "a JPEG picture, which is lossy"},
         {"\x89HDF\r\n", "an HDF5 file"},
         {"CDF\x01", "a netCDF file"},
@@ -117,80 +106,6 @@ static void test_write__by_extension_and_back(void **state)
     dif_field_free(&field);
 }
 
-static double json_real_of(const json_t *channel, const char *key)
-{
-    const json_t *value = json_object_get(channel, key);
-    assert_true(json_is_number(value));
-    return json_number_value(value);
-}
-
-static void expect_reference(const char *path, const json_t *channel)
-{
-    dif_field_file file;
-    dif_field_stats stats;
-    dif_error err;
-    if (dif_field_read(path, NULL, &file, &err))
-        fail_msg("%s", err.text);
-    const dif_field *field = &file.field;
-    const int nx = field->nx, ny = field->ny;
-    assert_int_equal(nx, json_real_of(channel, "xres"));
-    assert_int_equal(ny, json_real_of(channel, "yres"));
-    assert_string_equal(file.title, json_string_value(json_object_get(channel, "title")));
-    assert_near(field->pitch_x_um * nx, json_real_of(channel, "xreal") * 1e6, 1e-15, 0.0);
-    assert_near(field->pitch_y_um * ny, json_real_of(channel, "yreal") * 1e6, 1e-15, 0.0);
-    const size_t n = (size_t)nx * (size_t)ny;
-    const struct {
-        const char *key;
-        double got_um;
-    } corners[] = {{"top_left", field->z_um[0]},
-                   {"top_right", field->z_um[nx - 1]},
-                   {"bottom_left", field->z_um[n - (size_t)nx]},
-                   {"bottom_right", field->z_um[n - 1]}};
-    for (int i = 0; i < 4; i++)
-        assert_near(corners[i].got_um, json_real_of(channel, corners[i].key) * 1e6, 4e-16, 0.0);
-    assert_int_equal(dif_field_stats_of(field, &stats, &err), DIF_OK);
-    assert_near(stats.min_um, json_real_of(channel, "min") * 1e6, 4e-16, 0.0);
-    assert_near(stats.max_um, json_real_of(channel, "max") * 1e6, 4e-16, 0.0);
-    assert_near(stats.mean_um, json_real_of(channel, "mean") * 1e6, 1e-12, 0.0); /* sums of 1e5 numbers */
-    assert_near(stats.rms_um, json_real_of(channel, "rms") * 1e6, 1e-12, 0.0);
-    print_message("%s: as Gwyddion reads it\n", path);
-    dif_field_file_free(&file);
-}
-
-/* Every file of the reference list: read as Gwyddion does, or known and not read. */
-static void test_read__agrees_with_gwyddion(void **state)
-{
-    (void)state;
-    const char *data = test_data_folder();
-    if (!data)
-        skip();
-    char path[1024];
-    json_error_t problem;
-    snprintf(path, sizeof path, "%s/afm/REFERENCE_gwyddion.json", data);
-    json_t *root = json_load_file(path, 0, &problem);
-    assert_non_null(root);
-    int n_read = 0, n_known = 0;
-    const char *name;
-    json_t *about;
-    json_object_foreach(json_object_get(root, "files"), name, about)
-    {
-        dif_field_file file;
-        dif_error err;
-        snprintf(path, sizeof path, "%s/%s", data, name);
-        const dif_status status = dif_field_read(path, NULL, &file, &err);
-        dif_field_file_free(&file);
-        if (status == DIF_ERR_UNSUPPORTED) {
-            n_known++;
-            continue;
-        }
-        expect_reference(path, json_array_get(json_object_get(about, "channels"), 0));
-        n_read++;
-    }
-    print_message("%d files read, %d known and not read\n", n_read, n_known);
-    assert_true(n_read >= 1 && n_known >= 1);
-    json_decref(root);
-}
-
 /* Files with facts stated beside them: text exports, matrices, the pictures of the sheds. */
 static void test_read__real_files_have_their_stated_size_and_scale(void **state)
 {
@@ -273,7 +188,6 @@ int main(void)
         cmocka_unit_test(test_parse__message_keeps_the_end_of_a_long_name),
         cmocka_unit_test(test_read__missing_file_and_directory),
         cmocka_unit_test(test_write__by_extension_and_back),
-        cmocka_unit_test(test_read__agrees_with_gwyddion),
         cmocka_unit_test(test_read__real_files_have_their_stated_size_and_scale),
         cmocka_unit_test(test_read__picture_and_text_of_one_surface_agree),
     };

@@ -1,5 +1,5 @@
 /* Heightfields from and to files, recognised by content.
- * In: NanoScope, GWY, EXR, PNG/TIFF/BMP, GSF, text matrices.  Out: EXR, GSF.
+ * In: NanoScope, GWY, SDF, x3p, EXR, PNG/TIFF/BMP, GSF, text matrices.  Out: EXR, GSF, PNG, text.
  * Does not: level, fill or guess a scale. */
 #ifndef DIF_FIELD_IO_H
 #define DIF_FIELD_IO_H
@@ -42,6 +42,7 @@ enum { DIF_CHANNEL_NAME_SIZE = 128, DIF_CHANNEL_UNIT_SIZE = 24, DIF_CHANNELS_MAX
 typedef struct dif_channel {
     char name[DIF_CHANNEL_NAME_SIZE];  /* may be empty, and several may have one name                        */
     char alias[DIF_CHANNEL_NAME_SIZE]; /* a second name, as the instrument's program shows it, may be empty  */
+    char note[16];                     /* tells channels of one name apart ("Retrace"), may be empty         */
     char unit[DIF_CHANNEL_UNIT_SIZE];  /* of its values, "nm", "V", "deg" ...; empty = the file does not say */
     int nx, ny;
     bool is_height; /* the unit is a length */
@@ -85,9 +86,21 @@ DIF_MUST_USE dif_status dif_field_parse(const unsigned char *data, size_t n, con
                                         const dif_field_request *request, dif_field_file *out, dif_error *err);
 void dif_field_file_free(dif_field_file *file);
 
-/* Writes by extension: .exr (float, heights in um, attributes) or .gsf; atomically. DIF_ERR_ARG for another one. */
+/* Writes by extension, atomically: .exr (float, heights in um, attributes), .gsf (float), .png (16 bits from the lowest
+ * to the highest height, Gwyddion's keys) or .txt (matrix in m under Gwyddion's header, exact). DIF_ERR_ARG for another
+ * one, DIF_ERR_NONFINITE for missing points. */
 DIF_MUST_USE dif_status dif_field_write(const char *path, const dif_field *field, const dif_manifest *manifest,
                                         dif_error *err);
+
+/* Whether a path's extension is one that dif_field_write knows: DIF_OK or DIF_ERR_ARG. */
+DIF_MUST_USE dif_status dif_field_write_check(const char *path, dif_error *err);
+
+/* What the format of a path does to the heights of a valid field. */
+typedef struct dif_field_loss {
+    double step_um;    /* heights come back to half of it, largest ones of floats; 0 = exact              */
+    char warning[160]; /* a line for the user if that is coarse, or empty                                 */
+} dif_field_loss;
+dif_field_loss dif_field_loss_of(const char *path, const dif_field *field);
 
 #ifdef __cplusplus
 }

@@ -74,11 +74,20 @@ void dif_text_copy(char *out, size_t size, const char *text, size_t n);
 
 /* Readers: one a format; *raw is empty on failure. */
 DIF_MUST_USE dif_status dif_gsf_read(const dif_source *source, dif_raw *raw, dif_error *err);
+bool dif_sdf_is(const dif_source *source);
+DIF_MUST_USE dif_status dif_sdf_read(const dif_source *source, dif_raw *raw, dif_error *err);
+bool dif_nanoscope_is(const dif_source *source);
+DIF_MUST_USE dif_status dif_nanoscope_list(const dif_source *source, dif_channels *out, dif_error *err);
+DIF_MUST_USE dif_status dif_nanoscope_read(const dif_source *source, int index, dif_raw *raw, dif_error *err);
 DIF_MUST_USE dif_status dif_text_matrix_read(const dif_source *source, dif_raw *raw, dif_error *err);
 DIF_MUST_USE dif_status dif_image_field_read(const dif_source *source, dif_raw *raw, dif_error *err);
 
 /* Writers: the file's bytes in a new block, freed with dif_release. */
 DIF_MUST_USE dif_status dif_gsf_encode(const dif_field *field, const dif_manifest *manifest, unsigned char **data,
                                        size_t *n, dif_error *err);
+DIF_MUST_USE dif_status dif_png_field_encode(const dif_field *field, const dif_manifest *manifest, unsigned char **data,
+                                             size_t *n, dif_error *err);
+DIF_MUST_USE dif_status dif_text_field_encode(const dif_field *field, const dif_manifest *manifest,
+                                              unsigned char **data, size_t *n, dif_error *err);
 
 #endif

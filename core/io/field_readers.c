@@ -8,6 +8,7 @@
 #include "core/io/field_raw.h"
 #include "core/io/image_head.h"
 #include "core/io/number.h"
+#include "core/io/x3p.h"
 
 static bool is_gsf(const dif_source *source)
 {
@@ -29,6 +30,9 @@ static bool is_any(const dif_source *source)
 static const dif_reader READERS[] = {
     {"gsf", is_gsf, dif_gsf_read, NULL, NULL},
     {"exr", dif_exr_is, NULL, dif_exr_field_list, dif_exr_field_read},
+    {"nanoscope", dif_nanoscope_is, NULL, dif_nanoscope_list, dif_nanoscope_read},
+    {"sdf", dif_sdf_is, dif_sdf_read, NULL, NULL},
+    {"x3p", dif_x3p_is, NULL, dif_x3p_list, dif_x3p_read},
     {"image", is_image, dif_image_field_read, NULL, NULL},
     {"text", is_any, dif_text_matrix_read, NULL, NULL},
 };
@@ -37,18 +41,9 @@ static const dif_reader READERS[] = {
 static const struct {
     const char *magic, *what;
 } UNREADABLE[] = {
-    {"\\*Force file list", "a NanoScope force curve, not an image"},
-    {"\\*File list", "a NanoScope image"},
-    {"\\*EC File list", "a NanoScope image"},
-    {"?*File list", "a NanoScope image as text"},
     {"GWYP", "a Gwyddion file"},
     {"GWYO", "a Gwyddion file (version 1)"},
-    {"bBCR", "an SDF surface"},
-    {"bISO", "an SDF surface"},
-    {"aBCR", "an SDF surface as text"},
-    {"aISO", "an SDF surface as text"},
-    {"PK\x03\x04", "a zip archive (x3p surface?)"},
-    {"\x1f\x8b", "a gzip archive, unpack it first"},
+    {"\x1f\x8b", "a gzip archive within a gzip archive, unpack it first"},
     {"\xff\xd8\xff", "a JPEG picture, which is lossy"},
     {"\x89HDF", "an HDF5 file"},
     {"CDF", "a netCDF file"},

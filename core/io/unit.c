@@ -43,6 +43,14 @@ bool dif_unit_parse(const char *text, size_t n, double *unit_um)
     return false;
 }
 
+bool dif_unit_parse_si(const char *text, size_t n, double *unit_um)
+{
+    for (; n > 0 && is_blank(text[0]); text++)
+        n--;
+    const bool is_ampere = n > 0 && text[0] == 'A' && (n == 1 || is_blank(text[1]));
+    return !is_ampere && dif_unit_parse(text, n, unit_um);
+}
+
 bool dif_unit_parse_length(const char *text, size_t n, double *length_um)
 {
     const char *end = text + n;
