@@ -2,9 +2,9 @@
 
 # Every header of core, core/io, fixtures and bench is public or internal; tests/audit holds this list to the tree.
 set(DIF_PUBLIC_HEADERS
-    core/alloc.h core/brdf.h core/colour.h core/conventions.h core/direct.h core/domain.h core/fft.h core/field.h
-    core/evaluator.h core/fresnel.h core/grating.h core/kernel.h core/lut.h core/model.h core/nmm.h core/plan.h core/replica.h core/response.h
-    core/series.h core/sheet.h core/spectrum.h core/stam.h core/status.h core/thesis.h core/units.h core/vec.h
+    core/alloc.h core/brdf.h core/colour.h core/conventions.h core/direct.h core/domain.h core/fft.h core/field.h core/footprint.h
+    core/evaluator.h core/fresnel.h core/grating.h core/hemisphere.h core/kernel.h core/lut.h core/model.h core/nmm.h core/plan.h core/pyramid.h core/replica.h core/response.h
+    core/series.h core/shadow.h core/sheet.h core/slope.h core/spectrum.h core/stam.h core/status.h core/thesis.h core/transfer.h core/units.h core/vec.h
     core/window.h
     core/io/directions.h core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/lut_io.h core/io/manifest.h
     core/io/map_io.h core/io/table_io.h
@@ -18,7 +18,7 @@ set_target_properties(dif_shared PROPERTIES OUTPUT_NAME diffbench VERSION ${PROJ
                       SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} LINKER_LANGUAGE CXX
                       LINK_DEPENDS ${CMAKE_SOURCE_DIR}/core/cmake/exports.map)
 target_link_libraries(dif_shared PRIVATE dif_flags m OpenMP::OpenMP_C OpenEXR::OpenEXRCore opencv_core opencv_imgproc
-                      opencv_imgcodecs Ceres::ceres)
+                      opencv_imgcodecs PkgConfig::ZIP PkgConfig::EXPAT PkgConfig::ZLIB Ceres::ceres)
 target_link_options(dif_shared PRIVATE LINKER:--version-script=${CMAKE_SOURCE_DIR}/core/cmake/exports.map)
 if(NOT DIF_SANITIZE)
     target_link_options(dif_shared PRIVATE LINKER:--no-undefined)
