@@ -151,13 +151,12 @@ dif_status dif_exr_field_encode(const dif_field *field, const dif_manifest *mani
         return dif_fail(err, DIF_ERR_NOMEM, "EXR of %d x %d samples", field->nx, field->ny);
     for (size_t i = 0; i < n_sample; i++)
         pixel[i] = (float)field->z_um[i];
-    char x_real[DIF_NUMBER_SIZE], y_real[DIF_NUMBER_SIZE];
-    dif_number_print_short(field->nx * field->pitch_x_um / 1e6, x_real);
-    dif_number_print_short(field->ny * field->pitch_y_um / 1e6, y_real);
+    const double x_real_m = field->nx * field->pitch_x_um / 1e6, y_real_m = field->ny * field->pitch_y_um / 1e6;
+    /* Gwyddion looks for its lengths as doubles and for its units as strings */
     const dif_exr_attribute attributes[] = {
         {PITCH_X, NULL, field->pitch_x_um}, {PITCH_Y, NULL, field->pitch_y_um}, {Z_UNIT, "um", 0.0},
-        {"Gwy::XReal", x_real, 0.0},        {"Gwy::YReal", y_real, 0.0},        {"Gwy::XYUnit", "m", 0.0},
-        {"Gwy::ZUnit", "um", 0.0},
+        {"Gwy::XReal", NULL, x_real_m},     {"Gwy::YReal", NULL, y_real_m},     {"Gwy::XYUnit", "m", 0.0},
+        {"Gwy::ZUnit", "um", 0.0},          {"Gwy::Title", "height", 0.0},
     };
     const dif_exr_layer layer = {"height", pixel, 1};
     const dif_exr_image image = {.nx = field->nx,

@@ -8,6 +8,7 @@
 #include "core/io/exr_io.h"
 #include "core/io/field_raw.h"
 #include "core/io/file.h"
+#include "core/io/gzip.h"
 #include "core/io/unit.h"
 #include "core/units.h"
 
@@ -166,13 +167,17 @@ dif_status dif_field_parse(const unsigned char *data, size_t n, const char *name
     const dif_field_request nothing = dif_field_request_default();
     if (!request)
         request = &nothing;
-    const dif_source source = dif_source_of(data, n, name);
+    dif_source source = dif_source_of(data, n, name);
+    unsigned char *unpacked = NULL;
     dif_raw raw = dif_raw_empty("");
     dif_status status = check_request(&source, request, err);
+    if (!status)
+        status = dif_gzip_open(&source, &unpacked, err);
     if (!status)
         status = dif_reader_read(&source, request->channel, &raw, &out->channel, &out->n_channel, err);
     if (!status)
         status = finish(&source, &raw, request, out, err);
+    dif_release(unpacked);
     if (status) {
         dif_raw_free(&raw);
         *out = (dif_field_file){0};
@@ -183,8 +188,14 @@ dif_status dif_field_parse(const unsigned char *data, size_t n, const char *name
 dif_status dif_field_channels_parse(const unsigned char *data, size_t n, const char *name, dif_channels *out,
                                     dif_error *err)
 {
-    const dif_source source = dif_source_of(data, n, name);
-    return dif_reader_list(&source, out, err);
+    dif_source source = dif_source_of(data, n, name);
+    unsigned char *unpacked = NULL;
+    *out = (dif_channels){0};
+    dif_status status = dif_gzip_open(&source, &unpacked, err);
+    if (!status)
+        status = dif_reader_list(&source, out, err);
+    dif_release(unpacked);
+    return status;
 }
 
 dif_status dif_field_channels(const char *path, dif_channels *out, dif_error *err)
@@ -217,27 +228,4 @@ void dif_field_file_free(dif_field_file *file)
         return;
     dif_field_free(&file->field);
     *file = (dif_field_file){0};
-}
-
-static bool ends_with(const char *path, const char *end)
-{
-    const size_t n = strlen(path), n_end = strlen(end);
-    return n > n_end && strcmp(path + n - n_end, end) == 0;
-}
-
-dif_status dif_field_write(const char *path, const dif_field *field, const dif_manifest *manifest, dif_error *err)
-{
-    unsigned char *data = NULL;
-    size_t n = 0;
-    const bool is_exr = ends_with(path, ".exr");
-    dif_status status = dif_field_check(field, err);
-    if (!status && !is_exr && !ends_with(path, ".gsf"))
-        status = dif_fail(err, DIF_ERR_ARG, "heightfields are written as .exr or .gsf");
-    if (!status)
-        status = (is_exr ? dif_exr_field_encode : dif_gsf_encode)(field, manifest, &data, &n, err);
-    if (status)
-        return dif_fail_named(err, path, status);
-    status = dif_file_write(path, data, n, err);
-    dif_release(data);
-    return status;
 }

@@ -154,6 +154,20 @@ bool is_drawable(const dif_mark &mark)
     return mark.size > 0.0 && mark.size < far && (mark.kind != DIF_MARK_TEXT || mark.text);
 }
 
+dif_status encode(const cv::Mat &picture, unsigned char **png, size_t *n, dif_error *err)
+{
+    std::vector<uchar> bytes;
+    if (!cv::imencode(".png", picture, bytes))
+        return dif_fail(err, DIF_ERR_FOREIGN, "PNG of %d x %d pixels was not encoded", picture.cols, picture.rows);
+    unsigned char *copy = static_cast<unsigned char *>(dif_alloc(bytes.size(), 1));
+    if (!copy)
+        return dif_fail(err, DIF_ERR_NOMEM, "PNG of %zu bytes", bytes.size());
+    std::memcpy(copy, bytes.data(), bytes.size());
+    *png = copy;
+    *n = bytes.size();
+    return DIF_OK;
+}
+
 } // namespace
 
 dif_status dif_image_draw(uint8_t *rgb, int nx, int ny, int n, const dif_mark *mark, dif_error *err)
@@ -197,6 +211,34 @@ dif_status dif_image_decode(const unsigned char *data, size_t n, dif_image *out,
     });
 }
 
+dif_status dif_image_decode_rgb(const unsigned char *data, size_t n, uint8_t **rgb, int *nx, int *ny, dif_error *err)
+{
+    *rgb = nullptr;
+    *nx = *ny = 0;
+    return dif_guard(err, [&] {
+        dif_image_head head;
+        dif_status status = dif_image_head_read(data, n, &head, err);
+        if (!status)
+            status = check_size(head, err);
+        if (status)
+            return status;
+        if (n > INT_MAX)
+            return dif_fail(err, DIF_ERR_SIZE, "image file of %zu bytes", n);
+        const cv::Mat bytes(1, static_cast<int>(n), CV_8U, const_cast<unsigned char *>(data));
+        cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+        if (picture.empty() || picture.cols != head.nx || picture.rows != head.ny || picture.type() != CV_8UC3)
+            return dif_fail(err, DIF_ERR_FORMAT, "%s cannot be decoded (damaged?)", head.format);
+        *rgb = static_cast<uint8_t *>(dif_alloc(static_cast<size_t>(picture.rows) * 3, static_cast<size_t>(picture.cols)));
+        if (!*rgb)
+            return dif_fail(err, DIF_ERR_NOMEM, "%d x %d pixels", picture.cols, picture.rows);
+        cv::Mat target(picture.rows, picture.cols, CV_8UC3, *rgb);
+        cv::cvtColor(picture, target, cv::COLOR_BGR2RGB);
+        *nx = picture.cols;
+        *ny = picture.rows;
+        return DIF_OK;
+    });
+}
+
 dif_status dif_image_colormap(const char *name, uint8_t rgb[256][3], dif_error *err)
 {
     return dif_guard(err, [&] {
@@ -228,16 +270,18 @@ dif_status dif_image_encode_png(const uint8_t *rgb, int nx, int ny, unsigned cha
         const cv::Mat picture(ny, nx, CV_8UC3, const_cast<uint8_t *>(rgb));
         cv::Mat bgr;
         cv::cvtColor(picture, bgr, cv::COLOR_RGB2BGR);
-        std::vector<uchar> bytes;
-        if (!cv::imencode(".png", bgr, bytes))
-            return dif_fail(err, DIF_ERR_FOREIGN, "PNG of %d x %d pixels was not encoded", nx, ny);
-        unsigned char *copy = static_cast<unsigned char *>(dif_alloc(bytes.size(), 1));
-        if (!copy)
-            return dif_fail(err, DIF_ERR_NOMEM, "PNG of %zu bytes", bytes.size());
-        std::memcpy(copy, bytes.data(), bytes.size());
-        *png = copy;
-        *n = bytes.size();
-        return DIF_OK;
+        return encode(bgr, png, n, err);
+    });
+}
+
+dif_status dif_image_encode_grey(const uint16_t *value, int nx, int ny, unsigned char **png, size_t *n, dif_error *err)
+{
+    *png = nullptr;
+    *n = 0;
+    return dif_guard(err, [&] {
+        if (!value || nx < 1 || ny < 1)
+            return dif_fail(err, DIF_ERR_ARG, "picture of %d x %d pixels", nx, ny);
+        return encode(cv::Mat(ny, nx, CV_16U, const_cast<uint16_t *>(value)), png, n, err);
     });
 }
 

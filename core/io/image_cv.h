@@ -22,12 +22,21 @@ typedef struct dif_image {
  * DIF_ERR_FORMAT. */
 DIF_MUST_USE dif_status dif_image_decode(const unsigned char *data, size_t n, dif_image *out, dif_error *err);
 
+/* Decodes PNG, TIFF or BMP as 8 bit colour (grey is spread, 16 bits are cut, alpha is dropped); *rgb[ny*nx*3] is freed with
+ * dif_release. Status DIF_ERR_FORMAT, DIF_ERR_SIZE, DIF_ERR_NOMEM. */
+DIF_MUST_USE dif_status dif_image_decode_rgb(const unsigned char *data, size_t n, uint8_t **rgb, int *nx, int *ny,
+                                             dif_error *err);
+
 /* A colour map's 256 entries as rgb; name "viridis", "inferno", "turbo", "gray" (OpenCV's). */
 DIF_MUST_USE dif_status dif_image_colormap(const char *name, uint8_t rgb[256][3], dif_error *err);
 
 /* Encodes rgb[ny*nx*3] as PNG; *png is freed with dif_release. */
 DIF_MUST_USE dif_status dif_image_encode_png(const uint8_t *rgb, int nx, int ny, unsigned char **png, size_t *n,
                                              dif_error *err);
+
+/* The same for grey values of 16 bits. */
+DIF_MUST_USE dif_status dif_image_encode_grey(const uint16_t *value, int nx, int ny, unsigned char **png, size_t *n,
+                                              dif_error *err);
 
 /* Area-averaging reduction of a float image src[ny*nx] to dst[my*mx] (mx <= nx, my <= ny); linear if larger. */
 DIF_MUST_USE dif_status dif_image_resize(const float *src, int nx, int ny, float *dst, int mx, int my, dif_error *err);

@@ -7,7 +7,7 @@
 #include "core/alloc.h"
 
 static const unsigned char PNG_MAGIC[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-enum { PNG_OVERHEAD = 12, PNG_HEAD = 13, BMP_HEAD_MIN = 26 };
+enum { PNG_OVERHEAD = 12, PNG_HEAD = 13, PNG_KEY_MAX = 79, ITXT_BETWEEN = 5, BMP_HEAD_MIN = 26 };
 
 static uint32_t big32(const unsigned char *at)
 {
@@ -125,32 +125,78 @@ static unsigned char *put_chunk(unsigned char *to, const char *type, const char 
     return put_big32(at, crc32(to + 4, (size_t)(at - to) - 4));
 }
 
-dif_status dif_png_add_texts(const dif_manifest *manifest, unsigned char **png, size_t *n, dif_error *err)
+/* Makes room for n_more bytes behind the header chunk; returns where they begin, NULL without memory. The old block goes
+ * when they are filled. */
+static unsigned char *open_gap(const unsigned char *png, size_t n, size_t n_more)
 {
-    static const char PREFIX[] = "diffbench."; /* keywords have at most 79 bytes */
-    enum { KEY_MAX = 79 - (int)sizeof PREFIX + 1, BETWEEN = 5 };
     const size_t n_head = sizeof PNG_MAGIC + PNG_HEAD + PNG_OVERHEAD;
-    size_t n_more = PNG_OVERHEAD + 1;
-    for (int i = 0; i < manifest->n; i++)
-        n_more +=
-            PNG_OVERHEAD + sizeof PREFIX + strlen(manifest->item[i].key) + BETWEEN + strlen(manifest->item[i].value);
-    unsigned char *out = dif_alloc(*n + n_more, 1);
-    if (!out)
-        return dif_fail(err, DIF_ERR_NOMEM, "PNG of %zu bytes", *n + n_more);
-    memcpy(out, *png, n_head);
-    /* sRGB, perceptual */
-    unsigned char *at = put_chunk(out + n_head, "sRGB", (const char *[3]){"", NULL, NULL}, (const size_t[3]){1, 0, 0});
-    for (int i = 0; i < manifest->n; i++) {
-        char key[128];
-        const int n_key = snprintf(key, sizeof key, "%s%.*s", PREFIX, KEY_MAX, manifest->item[i].key);
-        /* keyword NUL, not compressed, no method, no language NUL, no translation NUL, text in UTF-8 */
-        at = put_chunk(at, "iTXt", (const char *[3]){key, "\0\0\0\0", manifest->item[i].value},
-                       (const size_t[3]){(size_t)n_key, BETWEEN, strlen(manifest->item[i].value)});
-    }
+    unsigned char *out = dif_alloc(n + n_more, 1);
+    if (out)
+        memcpy(out, png, n_head);
+    return out ? out + n_head : NULL;
+}
+
+/* Puts the rest of the old file at `at`, where the new chunks end that begin at `gap`, and takes its place. */
+static void close_gap(unsigned char *gap, unsigned char *at, unsigned char **png, size_t *n)
+{
+    const size_t n_head = sizeof PNG_MAGIC + PNG_HEAD + PNG_OVERHEAD;
+    unsigned char *out = gap - n_head;
     memcpy(at, *png + n_head, *n - n_head);
     *n = (size_t)(at - out) + *n - n_head;
     dif_release(*png);
     *png = out;
+}
+
+static const char PREFIX[] = "diffbench.";
+
+/* Bytes that put_manifest takes at most. */
+static size_t manifest_room(const dif_manifest *manifest)
+{
+    size_t n = 0;
+    for (int i = 0; manifest && i < manifest->n; i++)
+        n += PNG_OVERHEAD + sizeof PREFIX + strlen(manifest->item[i].key) + ITXT_BETWEEN +
+             strlen(manifest->item[i].value);
+    return n;
+}
+
+static unsigned char *put_manifest(unsigned char *at, const dif_manifest *manifest)
+{
+    enum { KEY_MAX = PNG_KEY_MAX - (int)sizeof PREFIX + 1 };
+    for (int i = 0; manifest && i < manifest->n; i++) {
+        char key[128];
+        const int n_key = snprintf(key, sizeof key, "%s%.*s", PREFIX, KEY_MAX, manifest->item[i].key);
+        /* keyword NUL, not compressed, no method, no language NUL, no translation NUL, text in UTF-8 */
+        at = put_chunk(at, "iTXt", (const char *[3]){key, "\0\0\0\0", manifest->item[i].value},
+                       (const size_t[3]){(size_t)n_key, ITXT_BETWEEN, strlen(manifest->item[i].value)});
+    }
+    return at;
+}
+
+dif_status dif_png_add_texts(const dif_manifest *manifest, unsigned char **png, size_t *n, dif_error *err)
+{
+    const size_t n_more = PNG_OVERHEAD + 1 + manifest_room(manifest);
+    unsigned char *gap = open_gap(*png, *n, n_more);
+    if (!gap)
+        return dif_fail(err, DIF_ERR_NOMEM, "PNG of %zu bytes", *n + n_more);
+    /* sRGB, perceptual */
+    unsigned char *at = put_chunk(gap, "sRGB", (const char *[3]){"", NULL, NULL}, (const size_t[3]){1, 0, 0});
+    close_gap(gap, put_manifest(at, manifest), png, n);
+    return DIF_OK;
+}
+
+dif_status dif_png_add_keys(int n_key, const dif_png_key *key, const dif_manifest *manifest, unsigned char **png,
+                            size_t *n, dif_error *err)
+{
+    size_t n_more = manifest_room(manifest);
+    for (int i = 0; i < n_key; i++)
+        n_more += PNG_OVERHEAD + strlen(key[i].key) + 1 + strlen(key[i].text);
+    unsigned char *gap = open_gap(*png, *n, n_more), *at = gap;
+    if (!gap)
+        return dif_fail(err, DIF_ERR_NOMEM, "PNG of %zu bytes", *n + n_more);
+    for (int i = 0; i < n_key; i++)
+        at = put_chunk(at, "tEXt", (const char *[3]){key[i].key, key[i].text, NULL},
+                       (const size_t[3]){strlen(key[i].key) + 1, strlen(key[i].text), 0});
+    close_gap(gap, put_manifest(at, manifest), png, n);
     return DIF_OK;
 }
 

@@ -26,6 +26,15 @@ bool dif_png_text(const unsigned char *data, size_t n, const char *key, char *te
  * Status DIF_ERR_NOMEM, *png and *n as they were then. */
 DIF_MUST_USE dif_status dif_png_add_texts(const dif_manifest *manifest, unsigned char **png, size_t *n, dif_error *err);
 
+/* A text of a PNG: keyword (1 to 79 bytes) and text, both Latin-1. */
+typedef struct dif_png_key {
+    const char *key, *text;
+} dif_png_key;
+
+/* Puts texts (tEXt) and, if it is not NULL, a manifest (iTXt) into such a PNG. Status DIF_ERR_NOMEM, as before. */
+DIF_MUST_USE dif_status dif_png_add_keys(int n_key, const dif_png_key *key, const dif_manifest *manifest,
+                                         unsigned char **png, size_t *n, dif_error *err);
+
 /* The two parts, by format (image_tiff.c). */
 DIF_MUST_USE dif_status dif_tiff_head_read(const unsigned char *data, size_t n, dif_image_head *out, dif_error *err);
 

@@ -20,11 +20,6 @@ static bool is_text_form(const dif_source *source)
     return dif_source_has(source, 0, "a", 1);
 }
 
-static double scale_or_nan(double value)
-{
-    return isfinite(value) && value != 0.0 ? value : (double)NAN;
-}
-
 /* What the header says, as far as it can be right. A scale of zero is none. */
 static dif_status take_header(const dif_source *source, const sdf_header *header, dif_raw *raw, dif_error *err)
 {
@@ -47,9 +42,12 @@ static dif_status take_header(const dif_source *source, const sdf_header *header
     if (header->x_scale < 0.0 || header->y_scale < 0.0)
         return dif_fail(err, DIF_ERR_FORMAT, "%s: Xscale, Yscale are %g, %g m, want > 0", source->name, header->x_scale,
                         header->y_scale);
-    raw->pitch_x_um = scale_or_nan(header->x_scale) * 1e6;
-    raw->pitch_y_um = scale_or_nan(header->y_scale) * 1e6;
-    raw->unit_um = scale_or_nan(header->z_scale) * 1e6;
+    if (isfinite(header->x_scale * header->y_scale) && header->x_scale != 0.0 && header->y_scale != 0.0) {
+        raw->pitch_x_um = header->x_scale * 1e6;
+        raw->pitch_y_um = header->y_scale * 1e6;
+    }
+    if (isfinite(header->z_scale) && header->z_scale != 0.0)
+        raw->unit_um = header->z_scale * 1e6;
     return dif_raw_check_size(source, (long long)header->n_point, (long long)header->n_profile, err);
 }
 

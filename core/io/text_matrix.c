@@ -44,7 +44,8 @@ static bool is_comment(const line_reader *reader)
 /* A cell that stands for a missing point. */
 static bool is_missing(const char *cell, size_t n)
 {
-    static const char *const MARKS[] = {"", "BAD", "bad", "***", "NaN", "nan", "NAN", "--", "N/A", "NA"};
+    static const char *const MARKS[] = {"",   "BAD", "bad", "***",       "NaN",     "nan",     "NAN",
+                                        "--", "N/A", "NA",  "-nan(ind)", "1.#QNAN", "-1.#IND", "1.#IND"};
     for (size_t i = 0; i < sizeof MARKS / sizeof *MARKS; i++) {
         if (strlen(MARKS[i]) == n && memcmp(cell, MARKS[i], n) == 0)
             return true;
@@ -147,10 +148,6 @@ static dif_status fail_cell(const number_rows *matrix, long line, long column, c
 {
     char quote[DIF_QUOTE_SIZE];
     dif_quote(cell, n, quote);
-    if (is_missing(cell, n))
-        return dif_fail(err, DIF_ERR_NONFINITE,
-                        "%s: line %ld, value %ld is missing ('%s'), want a number; fill missing points first",
-                        matrix->source->name, line, column, quote);
     return dif_fail(err, DIF_ERR_FORMAT, "%s: line %ld, value %ld is '%s', want a number", matrix->source->name, line,
                     column, quote);
 }
@@ -187,17 +184,21 @@ static dif_status read_cells(number_rows *matrix, const line_reader *reader, lon
             n--;
         double value = 0.0;
         ++*n_cell;
-        if (dif_number_parse(at, at + n, matrix->style.decimal, &value) != at + n || n == 0 || isnan(value))
+        if (is_missing(at, n))
+            value = NAN;
+        else if (dif_number_parse(at, at + n, matrix->style.decimal, &value) != at + n)
             return fail_cell(matrix, reader->number, *n_cell, at, n, err);
-        if (!isfinite(value))
-            return dif_fail(err, DIF_ERR_NONFINITE, "%s: line %ld, value %ld is infinite, want a finite number",
-                            matrix->source->name, reader->number, *n_cell);
         const dif_status status = push(matrix, value, err);
         if (status)
             return status;
         at = stop < end ? stop + 1 : end; /* a separator that ends the line begins no cell */
     }
     return DIF_OK;
+}
+
+static bool ends_with_separator(const number_rows *matrix, const line_reader *reader)
+{
+    return matrix->style.separator != BLANKS && reader->n > 0 && reader->line[reader->n - 1] == matrix->style.separator;
 }
 
 static dif_status read_rows(number_rows *matrix, line_reader reader, dif_error *err)
@@ -211,6 +212,12 @@ static dif_status read_rows(number_rows *matrix, line_reader reader, dif_error *
             return status;
         if (n_cell == 0)
             continue;
+        if (n_cell == matrix->n_column - 1 && ends_with_separator(matrix, &reader)) { /* an empty last cell */
+            const dif_status status_last = push(matrix, NAN, err);
+            if (status_last)
+                return status_last;
+            n_cell++;
+        }
         if (matrix->n_row == 0) {
             matrix->n_column = n_cell;
             matrix->first_line = reader.number;

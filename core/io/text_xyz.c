@@ -56,22 +56,28 @@ static dif_status fail_grid(const dif_source *source, size_t n, dif_error *err)
 static dif_status fill(const dif_source *source, const double *point, size_t n, const grid_axis *x, const grid_axis *y,
                        dif_raw *raw, dif_error *err)
 {
+    /* as many points as places, so none is taken twice if none is left free; until then a place holds infinity, which is
+     * no height, while a missing height is NaN */
     for (size_t i = 0; i < n; i++)
-        raw->z[i] = NAN;
+        raw->z[i] = INFINITY;
     for (size_t i = 0; i < n; i++) {
         const long long ix = index_on(x, point[3 * i]), iy = index_on(y, point[3 * i + 1]);
         if (ix < 0 || iy < 0)
             return fail_grid(source, n, err);
         double *z = &raw->z[(size_t)(y->n - 1 - iy) * (size_t)x->n + (size_t)ix];
-        if (!isnan(*z))
-            return fail_grid(source, n, err); /* a place taken twice leaves another one free */
-        *z = point[3 * i + 2];
+        if (!isinf(*z))
+            return fail_grid(source, n, err);
+        *z = isinf(point[3 * i + 2]) ? (double)NAN : point[3 * i + 2];
     }
     return DIF_OK;
 }
 
 dif_status dif_text_xyz_read(const dif_source *source, const double *point, size_t n, dif_raw *raw, dif_error *err)
 {
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(point[3 * i]) || !isfinite(point[3 * i + 1]))
+            return fail_grid(source, n, err);
+    }
     double *sorted = dif_alloc(n, sizeof *sorted);
     if (!sorted)
         return dif_fail(err, DIF_ERR_NOMEM, "%s: %zu points", source->name, n);

@@ -315,21 +315,18 @@ static dif_status take_list(x3p *file, int layer, dif_raw *raw, dif_error *err)
     return status;
 }
 
-/* Metres a sample, NaN if that is no length. */
-static double step_of(double increment)
-{
-    return increment > 0.0 ? increment : (double)NAN;
-}
-
 /* Scale and offset of heights hold for every type, floating point included. */
 static void take_scale(x3p *file, dif_raw *raw)
 {
     const dif_x3p_axis *z = &file->document.z;
     const double increment = isnan(z->increment) ? 1.0 : z->increment, offset = isnan(z->offset) ? 0.0 : z->offset;
     const bool is_float = file->kind == DIF_SAMPLE_F32 || file->kind == DIF_SAMPLE_F64;
-    raw->pitch_x_um = step_of(file->document.x.increment) * 1e6;
-    raw->pitch_y_um = step_of(file->document.y.increment) * 1e6;
-    raw->unit_um = increment != 0.0 ? increment * 1e6 : (double)NAN;
+    if (file->document.x.increment > 0.0 && file->document.y.increment > 0.0) { /* else the file does not say */
+        raw->pitch_x_um = file->document.x.increment * 1e6;
+        raw->pitch_y_um = file->document.y.increment * 1e6;
+    }
+    if (increment != 0.0)
+        raw->unit_um = increment * 1e6;
     raw->offset_um = offset * 1e6;
     if (is_float && increment != 1.0)
         warn(file, "floating-point heights have an Increment of their own, which is applied");
