@@ -9,7 +9,7 @@
 /* What one window's pass over the map needs. */
 typedef struct pass {
     const dif_map_sums *to;
-    const dif_reader *reader;
+    const dif_readout *reader;
     double share, scale[3];
     double *lambda_um;   /* nmm: room of each thread for the wavelengths of a pixel */
     double (*weight)[3]; /* and their weights                                         */
@@ -42,7 +42,7 @@ static void add_row(const pass *p, int iy, int il)
             if (uvw_of(plan, ix, iy, uvw + count))
                 count++;
         }
-        dif_reader_read(p->reader, count, uvw, lambda, false, amp);
+        dif_readout_read(p->reader, count, uvw, lambda, false, amp);
         for (int i = 0; i < count; i++) {
             const double power = unit * (amp[i][0] * amp[i][0] + amp[i][1] * amp[i][1]);
             for (size_t c = 0; c < 3; c++)
@@ -63,8 +63,8 @@ static void add_row_nmm(const pass *p, int iy)
         double xyz[3] = {0.0, 0.0, 0.0};
         if (!uvw_of(plan, ix, iy, &uvw))
             continue;
-        dif_reader_add_nmm(p->reader, p->scale, uvw, p->to->per_lambda2, p->share, p->lambda_um + room,
-                           p->weight + room, xyz);
+        dif_readout_add_nmm(p->reader, p->scale, uvw, p->to->per_lambda2, p->share, p->lambda_um + room,
+                            p->weight + room, xyz);
         for (size_t c = 0; c < 3; c++)
             p->to->sums[3 * ((size_t)iy * (size_t)plan->n_pixel + (size_t)ix) + c] += xyz[c];
     }
@@ -127,15 +127,15 @@ dif_status dif_map_by_method(const dif_map_sums *to, const dif_field *field, dou
     const dif_reach reach = reach_of_map(to->plan);
     dif_stopwatch watch = dif_stopwatch_start();
     for (int w = 0; w < set->n; w++) {
-        dif_reader reader;
-        dif_status status = dif_reader_open(field, set->window + w, opts, tol, &reach, &reader, stats, err);
+        dif_readout reader;
+        dif_status status = dif_readout_open(field, set->window + w, opts, tol, &reach, &reader, stats, err);
         if (status != DIF_OK)
             return status;
         dif_stopwatch_lap(&watch, &stats->build_wall_s, &stats->build_cpu_s);
         pass p = {.to = to, .reader = &reader, .share = set->share[w]};
         status = add_window(&p, err);
         dif_stopwatch_lap(&watch, &stats->eval_wall_s, &stats->eval_cpu_s);
-        dif_reader_close(&reader);
+        dif_readout_close(&reader);
         if (status != DIF_OK)
             return status;
         dif_measure_progress(opts, (w + 1.0) / set->n);

@@ -7,8 +7,8 @@
 #include "core/alloc.h"
 #include "core/spectrum.h"
 
-void dif_reader_add_nmm(const dif_reader *reader, const double scale[3], dif_vec3 uvw, bool per_lambda2, double share,
-                        double *lambda_um, double (*weight)[3], double xyz[3])
+void dif_readout_add_nmm(const dif_readout *reader, const double scale[3], dif_vec3 uvw, bool per_lambda2, double share,
+                         double *lambda_um, double (*weight)[3], double xyz[3])
 {
     const int n = dif_nmm_weights(&reader->nmm, scale, hypot(uvw.x, uvw.y), lambda_um, weight);
     dif_vec3 same[DIF_READ_MAX];
@@ -17,7 +17,7 @@ void dif_reader_add_nmm(const dif_reader *reader, const double scale[3], dif_vec
         same[i] = uvw;
     for (int first = 0; first < n; first += DIF_READ_MAX) {
         const int count = n - first < DIF_READ_MAX ? n - first : DIF_READ_MAX;
-        dif_reader_read(reader, count, same, lambda_um + first, true, amp);
+        dif_readout_read(reader, count, same, lambda_um + first, true, amp);
         for (int i = 0; i < count; i++) {
             const double at_um = lambda_um[first + i];
             const double power = share * (amp[i][0] * amp[i][0] + amp[i][1] * amp[i][1]);
@@ -46,7 +46,7 @@ static dif_status by_table(const dif_field *field, const dif_plan *plan, double 
 }
 
 /* Sums of all angles for one window. */
-static dif_status add_window(const dif_reader *reader, const dif_plan *plan, bool per_lambda2, double share,
+static dif_status add_window(const dif_readout *reader, const dif_plan *plan, bool per_lambda2, double share,
                              const double scale[3], double (*xyz)[3], dif_error *err)
 {
     const size_t n_max = (size_t)dif_nmm_count_max(&reader->nmm), n_thread = (size_t)omp_get_max_threads();
@@ -62,8 +62,8 @@ static dif_status add_window(const dif_reader *reader, const dif_plan *plan, boo
         const size_t at = n_max * (size_t)omp_get_thread_num();
         dif_vec3 wi, wo;
         dif_plan_directions(plan, i, &wi, &wo);
-        dif_reader_add_nmm(reader, scale, dif_vec3_transfer(wi, wo), per_lambda2, share, lambda_um + at, weight + at,
-                           xyz[i]);
+        dif_readout_add_nmm(reader, scale, dif_vec3_transfer(wi, wo), per_lambda2, share, lambda_um + at, weight + at,
+                            xyz[i]);
     }
 done:
     dif_release(lambda_um);
@@ -79,14 +79,14 @@ static dif_status by_nmm(const dif_field *field, const dif_plan *plan, double to
     dif_stopwatch watch = dif_stopwatch_start();
     dif_status status = dif_nmm_scale(scale, err);
     for (int w = 0; w < set->n && status == DIF_OK; w++) {
-        dif_reader reader;
-        status = dif_reader_open(field, set->window + w, opts, tol, &reach, &reader, stats, err);
+        dif_readout reader;
+        status = dif_readout_open(field, set->window + w, opts, tol, &reach, &reader, stats, err);
         if (status != DIF_OK)
             break;
         dif_stopwatch_lap(&watch, &stats->build_wall_s, &stats->build_cpu_s);
         status = add_window(&reader, plan, opts->quantity == DIF_QUANTITY_BRDF, set->share[w], scale, xyz, err);
         dif_stopwatch_lap(&watch, &stats->eval_wall_s, &stats->eval_cpu_s);
-        dif_reader_close(&reader);
+        dif_readout_close(&reader);
         dif_measure_progress(opts, (w + 1.0) / set->n);
     }
     for (int i = 0; i < plan->n_angle && status == DIF_OK; i++) {

@@ -86,7 +86,7 @@ void dif_reach_add(dif_reach *reach, dif_vec3 uvw, double lambda_um);
 dif_reach dif_reach_of_plan(const dif_plan *plan);
 
 /* One method, ready to be read for one window: any but direct. */
-typedef struct dif_reader {
+typedef struct dif_readout {
     dif_method method;
     bool is_line;
     double cos_azimuth, sin_azimuth;
@@ -96,23 +96,23 @@ typedef struct dif_reader {
     dif_thesis *thesis;
     dif_stam stam;
     dif_nmm nmm;
-} dif_reader;
+} dif_readout;
 
-DIF_MUST_USE dif_status dif_reader_open(const dif_field *field, const dif_window *window, const dif_measure_opts *opts,
-                                        double tol, const dif_reach *reach, dif_reader *out, dif_measure_stats *stats,
-                                        dif_error *err);
-void dif_reader_close(dif_reader *reader);
+DIF_MUST_USE dif_status dif_readout_open(const dif_field *field, const dif_window *window, const dif_measure_opts *opts,
+                                         double tol, const dif_reach *reach, dif_readout *out, dif_measure_stats *stats,
+                                         dif_error *err);
+void dif_readout_close(dif_readout *reader);
 
 /* Amplitudes at n <= DIF_READ_MAX points (u, v, w), each at its own wavelength, P / sum W (stam: its size alone). nmm is
  * read at the wavelengths asked for if `as_asked`, else at those that stand for them. Allocates nothing. */
 enum { DIF_READ_MAX = 256 };
-void dif_reader_read(const dif_reader *reader, int n, const dif_vec3 *uvw, const double *lambda_um, bool as_asked,
-                     double (*amp)[2]);
+void dif_readout_read(const dif_readout *reader, int n, const dif_vec3 *uvw, const double *lambda_um, bool as_asked,
+                      double (*amp)[2]);
 
 /* XYZ of one direction by nmm, added with a share: sum over its wavelengths of weight, power and, for the BRDF
  * (per_lambda2), 1/lambda^2. lambda_um and weight have room for dif_nmm_count_max. */
-void dif_reader_add_nmm(const dif_reader *reader, const double scale[3], dif_vec3 uvw, bool per_lambda2, double share,
-                        double *lambda_um, double (*weight)[3], double xyz[3]);
+void dif_readout_add_nmm(const dif_readout *reader, const double scale[3], dif_vec3 uvw, bool per_lambda2, double share,
+                         double *lambda_um, double (*weight)[3], double xyz[3]);
 
 /* The powers of a table by such a method, added up over the windows. */
 DIF_MUST_USE dif_status dif_table_by_method(const dif_field *field, const dif_plan *plan, double tol,

@@ -118,7 +118,7 @@ void dif_reach_add(dif_reach *reach, dif_vec3 uvw, double lambda_um)
 }
 
 static dif_status open_sheet(const dif_field *field, const dif_window *window, const dif_measure_opts *opts, double tol,
-                             const dif_reach *reach, dif_reader *out, dif_measure_stats *stats, dif_error *err)
+                             const dif_reach *reach, dif_readout *out, dif_measure_stats *stats, dif_error *err)
 {
     const bool nmm = opts->method == DIF_METHOD_NMM;
     const double k_max = DIF_TWO_PI / (nmm ? out->nmm.lambda_min_um : reach->lambda_min_um);
@@ -135,7 +135,7 @@ static dif_status open_sheet(const dif_field *field, const dif_window *window, c
 }
 
 static dif_status open_thesis(const dif_field *field, const dif_measure_opts *opts, const dif_reach *reach,
-                              dif_reader *out, dif_error *err)
+                              dif_readout *out, dif_error *err)
 {
     const double k_max = DIF_TWO_PI / reach->lambda_min_um;
     const dif_thesis_box box = {k_max * fmin(reach->u_min, 0.0), k_max * fmax(reach->u_max, 0.0),
@@ -143,17 +143,17 @@ static dif_status open_thesis(const dif_field *field, const dif_measure_opts *op
     return dif_thesis_create(field, opts->sigma_um, &box, opts->thesis_terms, opts->single, &out->thesis, err);
 }
 
-dif_status dif_reader_open(const dif_field *field, const dif_window *window, const dif_measure_opts *opts, double tol,
-                           const dif_reach *reach, dif_reader *out, dif_measure_stats *stats, dif_error *err)
+dif_status dif_readout_open(const dif_field *field, const dif_window *window, const dif_measure_opts *opts, double tol,
+                            const dif_reach *reach, dif_readout *out, dif_measure_stats *stats, dif_error *err)
 {
     const dif_window flat = {.kind = DIF_WINDOW_FLAT};
     dif_status status = DIF_OK;
-    *out = (dif_reader){.method = opts->method,
-                        .is_line = reach->is_line,
-                        .cos_azimuth = cos(reach->azimuth_rad),
-                        .sin_azimuth = sin(reach->azimuth_rad),
-                        .stam = stam_of(field, opts),
-                        .nmm = dif_method_nmm(field, opts, reach->lambda_min_um, reach->lambda_max_um)};
+    *out = (dif_readout){.method = opts->method,
+                         .is_line = reach->is_line,
+                         .cos_azimuth = cos(reach->azimuth_rad),
+                         .sin_azimuth = sin(reach->azimuth_rad),
+                         .stam = stam_of(field, opts),
+                         .nmm = dif_method_nmm(field, opts, reach->lambda_min_um, reach->lambda_max_um)};
     if (opts->method == DIF_METHOD_PQ) {
         status = dif_measure_cell(field, opts, &out->cell, &out->replica, err);
         if (status == DIF_OK)
@@ -170,19 +170,19 @@ dif_status dif_reader_open(const dif_field *field, const dif_window *window, con
     if (*dif_method_leaves_out(opts->method) && opts->method != DIF_METHOD_PQ)
         stats->bound = (double)NAN;
     if (status != DIF_OK)
-        dif_reader_close(out);
+        dif_readout_close(out);
     return status;
 }
 
-void dif_reader_close(dif_reader *reader)
+void dif_readout_close(dif_readout *reader)
 {
     dif_sheet_free(reader->sheet);
     dif_thesis_free(reader->thesis);
     dif_field_free(&reader->cell);
-    *reader = (dif_reader){0};
+    *reader = (dif_readout){0};
 }
 
-static void read_sheet(const dif_reader *reader, int n, const dif_vec3 *kappa, double (*amp)[2])
+static void read_sheet(const dif_readout *reader, int n, const dif_vec3 *kappa, double (*amp)[2])
 {
     double ks[DIF_READ_MAX], kz[DIF_READ_MAX];
     if (!reader->is_line) {
@@ -196,8 +196,8 @@ static void read_sheet(const dif_reader *reader, int n, const dif_vec3 *kappa, d
     dif_response_line(reader->sheet, (size_t)n, ks, kz, amp);
 }
 
-void dif_reader_read(const dif_reader *reader, int n, const dif_vec3 *uvw, const double *lambda_um, bool as_asked,
-                     double (*amp)[2])
+void dif_readout_read(const dif_readout *reader, int n, const dif_vec3 *uvw, const double *lambda_um, bool as_asked,
+                      double (*amp)[2])
 {
     dif_vec3 kappa[DIF_READ_MAX];
     double k[DIF_READ_MAX];
@@ -231,7 +231,7 @@ double dif_method_gain(const dif_measure_opts *opts, dif_quantity quantity, dif_
 }
 
 /* One wavelength of a table. */
-static void add_row(const dif_reader *reader, const dif_plan *plan, double lambda_um, double share, double *value)
+static void add_row(const dif_readout *reader, const dif_plan *plan, double lambda_um, double share, double *value)
 {
     const double c = cos(plan->azimuth_rad), s = sin(plan->azimuth_rad);
     dif_vec3 uvw[DIF_READ_MAX];
@@ -244,7 +244,7 @@ static void add_row(const dif_reader *reader, const dif_plan *plan, double lambd
             uvw[i] = (dif_vec3){-sin_sum * c, -sin_sum * s, -cos_sum};
             lambda[i] = lambda_um;
         }
-        dif_reader_read(reader, n, uvw, lambda, false, amp);
+        dif_readout_read(reader, n, uvw, lambda, false, amp);
         for (int i = 0; i < n; i++)
             value[first + i] += share * (amp[i][0] * amp[i][0] + amp[i][1] * amp[i][1]);
     }
@@ -275,8 +275,8 @@ dif_status dif_table_by_method(const dif_field *field, const dif_plan *plan, dou
     const dif_reach reach = dif_reach_of_plan(plan);
     dif_stopwatch watch = dif_stopwatch_start();
     for (int w = 0; w < set->n; w++) {
-        dif_reader reader;
-        const dif_status status = dif_reader_open(field, set->window + w, opts, tol, &reach, &reader, stats, err);
+        dif_readout reader;
+        const dif_status status = dif_readout_open(field, set->window + w, opts, tol, &reach, &reader, stats, err);
         if (status != DIF_OK)
             return status;
         dif_stopwatch_lap(&watch, &stats->build_wall_s, &stats->build_cpu_s);
@@ -284,7 +284,7 @@ dif_status dif_table_by_method(const dif_field *field, const dif_plan *plan, dou
         for (int il = 0; il < plan->n_lambda; il++)
             add_row(&reader, plan, plan->lambda_um[il], set->share[w], value + (size_t)il * (size_t)plan->n_angle);
         dif_stopwatch_lap(&watch, &stats->eval_wall_s, &stats->eval_cpu_s);
-        dif_reader_close(&reader);
+        dif_readout_close(&reader);
         dif_measure_progress(opts, (w + 1.0) / set->n);
     }
     return DIF_OK;

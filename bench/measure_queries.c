@@ -56,7 +56,7 @@ static dif_status read_volume(const dif_sheet *sheet, size_t n, const dif_vec3 *
 }
 
 /* Queries first ... first+n, n <= DIF_READ_MAX. */
-static void read_queries(const dif_reader *reader, int n, const dif_query *query, double (*amp)[2])
+static void read_queries(const dif_readout *reader, int n, const dif_query *query, double (*amp)[2])
 {
     dif_vec3 uvw[DIF_READ_MAX];
     double lambda_um[DIF_READ_MAX];
@@ -64,7 +64,7 @@ static void read_queries(const dif_reader *reader, int n, const dif_query *query
         uvw[i] = dif_vec3_transfer(query[i].wi, query[i].wo);
         lambda_um[i] = query[i].lambda_um;
     }
-    dif_reader_read(reader, n, uvw, lambda_um, false, amp);
+    dif_readout_read(reader, n, uvw, lambda_um, false, amp);
 }
 
 static dif_status amplitudes_by_method(const dif_field *field, const dif_window *window, const dif_measure_opts *opts,
@@ -72,11 +72,11 @@ static dif_status amplitudes_by_method(const dif_field *field, const dif_window 
                                        dif_measure_stats *stats, dif_error *err)
 {
     dif_reach reach = dif_reach_empty();
-    dif_reader reader;
+    dif_readout reader;
     dif_stopwatch watch = dif_stopwatch_start();
     for (size_t i = 0; i < n; i++)
         dif_reach_add(&reach, dif_vec3_transfer(query[i].wi, query[i].wo), query[i].lambda_um);
-    const dif_status status = dif_reader_open(field, window, opts, tol, &reach, &reader, stats, err);
+    const dif_status status = dif_readout_open(field, window, opts, tol, &reach, &reader, stats, err);
     if (status != DIF_OK)
         return status;
     dif_stopwatch_lap(&watch, &stats->build_wall_s, &stats->build_cpu_s);
@@ -84,7 +84,7 @@ static dif_status amplitudes_by_method(const dif_field *field, const dif_window 
     for (size_t first = 0; first < n; first += DIF_READ_MAX)
         read_queries(&reader, n - first < DIF_READ_MAX ? (int)(n - first) : DIF_READ_MAX, query + first, amp + first);
     dif_stopwatch_lap(&watch, &stats->eval_wall_s, &stats->eval_cpu_s);
-    dif_reader_close(&reader);
+    dif_readout_close(&reader);
     return DIF_OK;
 }
 

@@ -11,7 +11,7 @@
 /* What a built model points to. */
 struct dif_model_own {
     dif_window_set set;
-    dif_reader *reader;      /* reader[set.n]: one a window, which owns its sheet */
+    dif_readout *reader;     /* reader[set.n]: one a window, which owns its sheet */
     int n_reader;            /* open ones                                         */
     const dif_sheet **sheet; /* sheet[set.n]                                      */
     double *lambda_um;
@@ -39,7 +39,7 @@ void dif_model_built_free(dif_model_built *built)
     struct dif_model_own *own = built->own;
     if (own) {
         for (int i = 0; i < own->n_reader; i++)
-            dif_reader_close(own->reader + i);
+            dif_readout_close(own->reader + i);
         dif_window_set_free(&own->set);
         dif_release(own->reader);
         dif_release(own->sheet);
@@ -82,8 +82,8 @@ static dif_status open_readers(const dif_field *field, double tol, const dif_mea
     if (!own->reader || !own->sheet)
         return dif_fail(err, DIF_ERR_NOMEM, "no memory for %d windows", own->set.n);
     for (; own->n_reader < own->set.n; own->n_reader++) {
-        dif_reader *reader = own->reader + own->n_reader;
-        status = dif_reader_open(field, own->set.window + own->n_reader, opts, tol, reach, reader, &stats, err);
+        dif_readout *reader = own->reader + own->n_reader;
+        status = dif_readout_open(field, own->set.window + own->n_reader, opts, tol, reach, reader, &stats, err);
         if (status != DIF_OK)
             return status;
         own->sheet[own->n_reader] = reader->sheet;
