@@ -96,7 +96,7 @@ static void test_read__refuses_bad_headers(void **state)
     expect("XRes = 1e300\nYRes = 2\n", 6, DIF_ERR_SIZE, "XRes is 1e+300");
     expect("XRes = 32768\nYRes = 32768\n", 6, DIF_ERR_SIZE, "want at most 268435456 together");
     expect("XRes = 3\nYRes = 2\nXYUnits = V\n", 6, DIF_ERR_FORMAT, "XYUnits is 'V', want a length");
-    expect("XRes = 3\nYRes = 2\nXYUnits = m\nZUnits = deg\n", 6, DIF_ERR_FORMAT, "ZUnits is 'deg'");
+    expect("XRes = 3\nYRes = 2\nXYUnits = m\nZUnits = deg\n", 6, DIF_ERR_SCALE, "is in deg, which is no length");
     expect("XRes = 3\nYRes = 2\nXYUnits = m\nZUnits = m\nXReal = 0\n", 6, DIF_ERR_FORMAT,
            "XReal, YReal are 0, 1, want > 0");
     expect("XRes = 3\nYRes = 2\nXYUnits = m\nZUnits = m\nXReal = -1\n", 6, DIF_ERR_FORMAT, "want > 0");

@@ -130,18 +130,76 @@ static void test_read__refuses_ragged_rows_with_line_and_counts(void **state)
     expect("1;2;3\n4;5\n", DIF_ERR_FORMAT, "line 6 has 2 values, want 3");
 }
 
-static void test_read__refuses_missing_points_with_the_place(void **state)
+/* Reads a text under the header that says everything; NaN stands for missing points. */
+static void expect_with_missing(const char *text, const double want_nm[6])
+{
+    char with_header[600];
+    dif_field_file file;
+    dif_error err;
+    dif_field_request request = dif_field_request_default();
+    request.allow_missing = true;
+    snprintf(with_header, sizeof with_header, "%s%s", EXPORT, text);
+    if (parse_bytes(with_header, strlen(with_header), &request, &file, &err))
+        fail_msg("%s in:\n%s", err.text, text);
+    assert_int_equal(file.field.nx, 3);
+    assert_int_equal(file.field.ny, 2);
+    for (int i = 0; i < 6; i++) {
+        if (isnan(want_nm[i]))
+            assert_true(isnan(file.field.z_um[i]));
+        else
+            assert_near(file.field.z_um[i], want_nm[i] * 1e-3, 4e-16, 0.0);
+    }
+    dif_field_file_free(&file);
+}
+
+static void test_read__missing_points_are_nan_on_request(void **state)
 {
     (void)state;
-    expect("1 2 3\n4 NaN 6\n", DIF_ERR_NONFINITE, "line 6, value 2 is missing ('NaN')");
-    expect("1 2 3\n4 5 BAD\n", DIF_ERR_NONFINITE, "line 6, value 3 is missing ('BAD')");
-    expect("1 *** 3\n4 5 6\n", DIF_ERR_NONFINITE, "line 5, value 2 is missing ('***')");
-    expect("BAD 2 3\n4 5 6\n", DIF_ERR_NONFINITE, "line 5, value 1 is missing ('BAD')");
-    expect("1;;3\n4;5;6\n", DIF_ERR_NONFINITE, "line 5, value 2 is missing ('')");
-    expect(";2;3\n4;5;6\n", DIF_ERR_NONFINITE, "line 5, value 1 is missing ('')");
-    expect("1\t2\t3\n\t5\t6\n", DIF_ERR_NONFINITE, "line 6, value 1 is missing ('')");
-    expect("1 2 3\n4 inf 6\n", DIF_ERR_NONFINITE, "line 6, value 2 is infinite");
-    expect("1 2 3\n4 1e999 6\n", DIF_ERR_NONFINITE, "line 6, value 2 is infinite");
+    static const char *const MARKS[] = {"NaN", "nan",       "-nan",    "BAD",    "bad", "***",  "--",
+                                        "N/A", "-nan(ind)", "1.#QNAN", "1.#IND", "inf", "1e999"};
+    static const double WANT[6] = {1, 2, 3, 4, NAN, 6};
+    for (size_t i = 0; i < sizeof MARKS / sizeof *MARKS; i++) {
+        char text[100];
+        snprintf(text, sizeof text, "1 2 3\n4 %s 6\n", MARKS[i]);
+        expect_with_missing(text, WANT);
+    }
+    expect_with_missing("1;2;3\n4;;6\n", WANT);
+    expect_with_missing("1,2,3\n4,,6\n", WANT);
+    expect_with_missing("1\t2\t3\n4\t\t6\n", WANT);
+    static const double FIRST[6] = {NAN, 2, 3, NAN, 5, 6}, LAST[6] = {1, 2, 3, 4, 5, NAN};
+    expect_with_missing("BAD 2 3\nBAD 5 6\n", FIRST);
+    expect_with_missing(";2;3\n;5;6\n", FIRST);
+    expect_with_missing("\t2\t3\n\t5\t6\n", FIRST);
+    expect_with_missing("1;2;3\n4;5;\n", LAST); /* an empty last cell is not the end of a row */
+    expect_with_missing("1;2;3;\n4;5;;\n", LAST);
+    expect_with_missing("1\t2\t3\n4\t5\t\n", LAST);
+}
+
+static void test_read__missing_points_are_refused_with_the_place_and_the_flag(void **state)
+{
+    (void)state;
+    expect("1 2 3\n4 NaN 6\n", DIF_ERR_NONFINITE, "height at column 1, row 1 is nan");
+    expect("1 2 3\n4 5 BAD\n", DIF_ERR_NONFINITE, "height at column 2, row 1 is nan");
+    expect("1 *** 3\n4 5 6\n", DIF_ERR_NONFINITE, "height at column 1, row 0 is nan");
+    expect("1;;3\n4;5;6\n", DIF_ERR_NONFINITE, "--fill");
+    expect("1 2 3\n4 inf 6\n", DIF_ERR_NONFINITE, "height at column 1, row 1 is inf");
+    expect("1 2 3\n4 1e999 6\n", DIF_ERR_NONFINITE, "height at column 1, row 1 is inf");
+}
+
+/* Our own lines above and below may hold words of a header. */
+static void test_read__provenance_is_no_scale(void **state)
+{
+    (void)state;
+    static const char TEXT[] =
+        "# diffbench.note: Height: 5 mm\n# Channel: T\n# Width: 6 um\n# Height: 4 um\n"
+        "# Value units: nm\n# diffbench.command: diffbench convert --Width: 5 nm\n1 2 3\n4 5 6\n";
+    dif_field_file file;
+    dif_error err;
+    assert_int_equal(parse_bytes(TEXT, sizeof TEXT - 1, NULL, &file, &err), DIF_OK);
+    assert_string_equal(file.title, "T");
+    assert_near(file.field.pitch_x_um, 2.0, 4e-16, 0.0);
+    assert_near(file.field.pitch_y_um, 2.0, 4e-16, 0.0);
+    dif_field_file_free(&file);
 }
 
 static void test_read__refuses_what_is_no_number(void **state)
@@ -218,13 +276,32 @@ static void test_xyz__any_order_becomes_a_grid_with_y_up(void **state)
     assert_parse_fails(text, n, NULL, DIF_ERR_SCALE, "text has no scale in it, give --z-unit (nm, um, m)");
 }
 
+static void test_xyz__a_missing_height_is_one_point_of_the_grid(void **state)
+{
+    (void)state;
+    static const char TEXT[] = "0 0 1\n1 0 NaN\n0 1 3\n1 1 inf\n";
+    dif_field_request request = request_nm();
+    dif_field_file file;
+    dif_error err;
+    assert_parse_fails(TEXT, sizeof TEXT - 1, &request, DIF_ERR_NONFINITE, "height at column 1, row 0 is nan");
+    request.allow_missing = true;
+    assert_int_equal(parse_bytes(TEXT, sizeof TEXT - 1, &request, &file, &err), DIF_OK);
+    assert_int_equal(file.field.nx * 10 + file.field.ny, 22);
+    assert_true(file.field.z_um[0] == 3.0 && isnan(file.field.z_um[1]));
+    assert_true(file.field.z_um[2] == 1.0 && isnan(file.field.z_um[3]));
+    dif_field_file_free(&file);
+}
+
 static void test_xyz__refuses_what_is_no_full_grid(void **state)
 {
     (void)state;
     const dif_field_request request = request_nm();
     static const char *const TEXTS[] = {
-        "0 0 1\n1 0 1\n0 1 1\n1 1.1 1\n",  "0 0 1\n1 0 1\n0 1 1\n0 1 1\n", "0 0 1\n1 0 1\n0 1 1\n1 1 1\n2 0 1\n",
-        "1 2 3\n4 5 6\n7 8 9\n10 11 12\n", "0 0 1\n0 0 1\n0 0 1\n0 0 1\n", "0 0 1\n1 0 1\n3 0 1\n0 1 1\n1 1 1\n3 1 1\n",
+        "0 0 1\n1 0 1\n0 1 1\n1 1.1 1\n",      "0 0 1\n1 0 1\n0 1 1\n0 1 1\n",
+        "0 0 1\n1 0 1\n0 1 1\n1 1 1\n2 0 1\n", "1 2 3\n4 5 6\n7 8 9\n10 11 12\n",
+        "0 0 1\n0 0 1\n0 0 1\n0 0 1\n",        "0 0 1\n1 0 1\n3 0 1\n0 1 1\n1 1 1\n3 1 1\n",
+        "0 0 1\nNaN 0 1\n0 1 1\n1 1 1\n",      "0 0 1\n1 0 1\n0 inf 1\n1 1 1\n",
+        "0 0 NaN\n1 0 1\n0 1 1\n0 1 1\n",
     };
     for (size_t i = 0; i < sizeof TEXTS / sizeof *TEXTS; i++)
         assert_parse_fails(TEXTS[i], strlen(TEXTS[i]), &request, DIF_ERR_FORMAT, "neither x y z on a regular grid nor");
@@ -269,11 +346,14 @@ int main(void)
         cmocka_unit_test(test_read__utf16_in_both_orders),
         cmocka_unit_test(test_read__size_and_factor_header),
         cmocka_unit_test(test_read__refuses_ragged_rows_with_line_and_counts),
-        cmocka_unit_test(test_read__refuses_missing_points_with_the_place),
+        cmocka_unit_test(test_read__missing_points_are_nan_on_request),
+        cmocka_unit_test(test_read__missing_points_are_refused_with_the_place_and_the_flag),
+        cmocka_unit_test(test_read__provenance_is_no_scale),
         cmocka_unit_test(test_read__refuses_what_is_no_number),
         cmocka_unit_test(test_read__missing_scale_names_the_flags),
         cmocka_unit_test(test_read__refuses_sizes_over_the_limit),
         cmocka_unit_test(test_xyz__any_order_becomes_a_grid_with_y_up),
+        cmocka_unit_test(test_xyz__a_missing_height_is_one_point_of_the_grid),
         cmocka_unit_test(test_xyz__refuses_what_is_no_full_grid),
         cmocka_unit_test(test_read__beginnings_never_read_past_their_end),
         cmocka_unit_test(test_read__failing_heap_is_said),

@@ -115,8 +115,13 @@ static dif_status take_heights(const dif_source *source, dif_key_lookup *lookup,
 {
     static const char *const UNIT_KEYS[2] = {"Gwy::ZUnit", "Gwy::ZUnits"};
     double unit_um = NAN, min_um = NAN, max_um = NAN, scale = 1.0;
-    if (!take_unit(lookup, self, UNIT_KEYS, &unit_um))
-        return dif_fail(err, DIF_ERR_FORMAT, "%s: Gwy::ZUnit is no length unit: not a heightfield", source->name);
+    const bool is_length = take_unit(lookup, self, UNIT_KEYS, &unit_um);
+    if (!is_length) {
+        const char *unit = lookup(self, UNIT_KEYS[0]);
+        if (!unit)
+            unit = lookup(self, UNIT_KEYS[1]);
+        dif_text_copy(raw->unit, sizeof raw->unit, unit, strlen(unit));
+    }
     if (!(unit_um > 0.0))
         return DIF_OK;
     if (raw->bits == 0) {

@@ -77,29 +77,28 @@ static dif_status read_count(const gsf_header *header, const char *key, long lon
     return DIF_OK;
 }
 
-/* The unit of a key: NaN if it is missing or empty (a dimensionless field). */
-static dif_status read_unit(const gsf_header *header, const char *key, double *unit_um, dif_error *err)
+/* The unit of a key: NaN if it is missing or empty (a dimensionless field) or no length, which then stands in `other`. */
+static void read_unit(const gsf_header *header, const char *key, double *unit_um, char other[DIF_CHANNEL_UNIT_SIZE])
 {
     size_t n = 0;
     const char *value = find_value(header->text, header->n, key, &n);
     *unit_um = NAN;
-    if (!value || n == 0 || dif_unit_parse(value, n, unit_um))
-        return DIF_OK;
-    char quote[DIF_QUOTE_SIZE];
-    dif_quote(value, n, quote);
-    return dif_fail(err, DIF_ERR_FORMAT, "%s: %s is '%s', want a length (pm, nm, um, mm, m): not a heightfield",
-                    header->source->name, key, quote);
+    if (value && n > 0 && !dif_unit_parse(value, n, unit_um))
+        dif_text_copy(other, DIF_CHANNEL_UNIT_SIZE, value, n);
 }
 
 /* Pitches from XReal, YReal; without a unit the file's 1.0 is no length and the pitch stays unknown. */
 static dif_status read_scale(const gsf_header *header, dif_raw *raw, dif_error *err)
 {
     double unit_um = NAN, x_real = 1.0, y_real = 1.0;
-    dif_status status = read_unit(header, "XYUnits", &unit_um, err);
-    if (!status)
-        status = read_unit(header, "ZUnits", &raw->unit_um, err);
-    if (!status)
-        status = read_number(header, "XReal", 1.0, &x_real, err);
+    char lateral[DIF_CHANNEL_UNIT_SIZE] = "";
+    read_unit(header, "XYUnits", &unit_um, lateral);
+    if (lateral[0])
+        return dif_fail(err, DIF_ERR_FORMAT,
+                        "%s: XYUnits is '%s', want a length (pm, nm, um, mm, m): not a heightfield",
+                        header->source->name, lateral);
+    read_unit(header, "ZUnits", &raw->unit_um, raw->unit);
+    dif_status status = read_number(header, "XReal", 1.0, &x_real, err);
     if (!status)
         status = read_number(header, "YReal", 1.0, &y_real, err);
     if (status || isnan(unit_um))

@@ -36,6 +36,12 @@ void dif_text_header_comment(dif_text_header *header, const char *line, size_t n
 {
     static const char *const WIDTH[] = {"Width", "Breite", "Largeur", NULL};
     static const char *const HEIGHT[] = {"Height", "H\xc3\xb6he", "H\xf6he", "Hauteur", NULL};
+    static const char OURS[] = "diffbench."; /* a line of provenance says nothing of the scale */
+    const char *text = line;
+    while (text < line + n && (*text == ' ' || *text == '\t'))
+        text++;
+    if ((size_t)(line + n - text) >= sizeof OURS - 1 && memcmp(text, OURS, sizeof OURS - 1) == 0)
+        return;
     const int index = ++header->n_comment;
     size_t n_key = n;
     while (n_key > 0 && line[n_key - 1] != ':')
