@@ -32,7 +32,8 @@ static dif_status check_sample(const dif_field *field, const dif_map_plan *plan,
         return status;
     double gain = 1.0; /* the source's program has none */
     if (opts->method != DIF_METHOD_THESIS)
-        gain = dif_brdf_gain(opts->quantity, opts->index, query.wi, query.wo, query.lambda_um, stats.area_um2);
+        gain = dif_brdf_gain(opts->quantity, opts->index, query.wi, query.wo, query.lambda_um, stats.area_um2) *
+               dif_measure_shadowing(opts, opts->quantity, query.wi, query.wo);
     const double value = (double)map->layer[(size_t)il * n + at], error = fabs(sqrt(value / gain) - sqrt(truth.power));
     out->direct_s_per_sample += stats.eval_wall_s;
     if (out->n_sample++ > 0 && error <= out->worst_amplitude)

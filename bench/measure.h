@@ -8,6 +8,7 @@
 #include "core/brdf.h"
 #include "core/field.h"
 #include "core/plan.h"
+#include "core/shadow.h"
 #include "core/window.h"
 
 #ifdef __cplusplus
@@ -41,8 +42,9 @@ typedef struct dif_measure_opts {
     dif_average average;
     dif_quantity quantity;
     dif_index index;
-    bool single;      /* taylor, thesis: sums in float whatever tol says, to show where that breaks           */
-    int thesis_terms; /* thesis: terms of the series, 1 ... DIF_THESIS_TERMS_MAX                            */
+    const dif_shadow *shadow; /* S in rho and brdf, prepared for this surface; NULL = 1. Borrowed. Not with thesis */
+    bool single;              /* taylor, thesis: sums in float whatever tol says, to show where that breaks           */
+    int thesis_terms;         /* thesis: terms of the series, 1 ... DIF_THESIS_TERMS_MAX                            */
 
     /* pq, stam, nmm with lines: the period along the groove normal psi, and across it or NaN. A patch is cut from the
      * middle of the surface along that one of x and y which is nearer to the normal, where the period is
@@ -60,7 +62,7 @@ typedef struct dif_measure_opts {
     void *progress_self;
 } dif_measure_opts;
 
-/* sheet, Gaussian of DIF_SIGMA_DEFAULT_UM, average none, rho, n = 1.5, all threads; DIF_THESIS_TERMS terms, no period,
+/* sheet, Gaussian of DIF_SIGMA_DEFAULT_UM, average none, rho, n = 1.5, no shadowing, all threads; DIF_THESIS_TERMS terms, no period,
  * replicas from the window, nmm with its Jacobian, over the patch's extent, 16 fixed wavelengths. */
 dif_measure_opts dif_measure_opts_default(void);
 
@@ -86,8 +88,8 @@ typedef struct dif_measure_stats {
  * Given     tol  wanted |amplitude error| / sum W, 1e-14 <= tol < 1
  *           opts NULL = defaults, here and below
  *           stats may be NULL
- * Status    DIF_ERR_ARG, DIF_ERR_TOL, DIF_ERR_SIZE, DIF_ERR_NOMEM, DIF_ERR_FOREIGN, DIF_ERR_UNSUPPORTED (brdf by thesis,
- *           two periods off the axes); *out zeroed on failure
+ * Status    DIF_ERR_ARG, DIF_ERR_TOL, DIF_ERR_SIZE, DIF_ERR_NOMEM, DIF_ERR_FOREIGN, DIF_ERR_UNSUPPORTED (brdf or
+ *           shadowing by thesis, two periods off the axes); *out zeroed on failure
  * Owns      the caller frees *out with dif_table_free */
 DIF_MUST_USE dif_status dif_measure_table(const dif_field *field, const dif_plan *plan, double tol,
                                           const dif_measure_opts *opts, dif_table *out, dif_measure_stats *stats,

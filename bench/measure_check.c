@@ -3,7 +3,7 @@
 #include <math.h>
 #include <time.h>
 
-#include "bench/measure.h"
+#include "bench/measure_impl.h"
 #include "core/alloc.h"
 #include "core/units.h"
 
@@ -22,7 +22,8 @@ static void note_cell(const dif_table *table, size_t cell, const dif_measure_opt
     const dif_plan *plan = &table->plan;
     double gain = 1.0; /* the source's program has none */
     if (opts->method != DIF_METHOD_THESIS)
-        gain = dif_brdf_gain(table->quantity, opts->index, query->wi, query->wo, query->lambda_um, area_um2);
+        gain = dif_brdf_gain(table->quantity, opts->index, query->wi, query->wo, query->lambda_um, area_um2) *
+               dif_measure_shadowing(opts, table->quantity, query->wi, query->wo);
     const double amplitude = sqrt(table->value[cell] / gain), error = fabs(amplitude - sqrt(direct->power));
     if (error <= out->worst_amplitude && out->n_sample > 0)
         return;

@@ -121,6 +121,11 @@ void dif_measure_note_sheet(dif_measure_stats *stats, const dif_sheet *sheet)
     stats->single = info.single;
 }
 
+double dif_measure_shadowing(const dif_measure_opts *opts, dif_quantity quantity, dif_vec3 wi, dif_vec3 wo)
+{
+    return quantity == DIF_QUANTITY_POWER ? 1.0 : dif_shadow_factor(opts->shadow, wi, wo);
+}
+
 dif_vec3 dif_measure_kappa(const dif_query *query)
 {
     const dif_vec3 uvw = dif_vec3_transfer(query->wi, query->wo);

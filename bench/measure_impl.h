@@ -119,6 +119,9 @@ DIF_MUST_USE dif_status dif_table_by_method(const dif_field *field, const dif_pl
                                             const dif_measure_opts *opts, const dif_window_set *set, double *value,
                                             dif_measure_stats *stats, dif_error *err);
 
+/* S of a quantity at (wi, wo): 1 for the power. */
+double dif_measure_shadowing(const dif_measure_opts *opts, dif_quantity quantity, dif_vec3 wi, dif_vec3 wo);
+
 /* From powers to the wanted quantity at (wi, wo), without the 1/lambda^2 of the BRDF. */
 double dif_method_gain(const dif_measure_opts *opts, dif_quantity quantity, dif_vec3 wi, dif_vec3 wo, double area_um2);
 

@@ -87,6 +87,9 @@ dif_status dif_method_check_opts(const dif_field *field, const dif_measure_opts 
         return DIF_OK;
     if (opts->window != DIF_WINDOW_GAUSS)
         return dif_fail(err, DIF_ERR_UNSUPPORTED, "the source's program knows no window but the Gaussian");
+    if (opts->shadow && opts->shadow->kind != DIF_SHADOWING_NONE)
+        return dif_fail(err, DIF_ERR_UNSUPPORTED, "the source's program has no %s shadowing: its gain is 1",
+                        dif_shadowing_name(opts->shadow->kind));
     if (!(opts->thesis_terms >= 1 && opts->thesis_terms <= DIF_THESIS_TERMS_MAX))
         return dif_fail(err, DIF_ERR_ARG, "%d terms, want 1 ... %d", opts->thesis_terms, DIF_THESIS_TERMS_MAX);
     return DIF_OK;
@@ -227,7 +230,9 @@ void dif_readout_read(const dif_readout *reader, int n, const dif_vec3 *uvw, con
 
 double dif_method_gain(const dif_measure_opts *opts, dif_quantity quantity, dif_vec3 wi, dif_vec3 wo, double area_um2)
 {
-    return opts->method == DIF_METHOD_THESIS ? 1.0 : dif_brdf_gain(quantity, opts->index, wi, wo, 1.0, area_um2);
+    return opts->method == DIF_METHOD_THESIS ? 1.0
+                                             : dif_measure_shadowing(opts, quantity, wi, wo) *
+                                                   dif_brdf_gain(quantity, opts->index, wi, wo, 1.0, area_um2);
 }
 
 /* One wavelength of a table. */

@@ -125,8 +125,9 @@ static void finish_sample(const dif_query *query, const dif_measure_opts *opts, 
         sample->brdf_per_sr = (double)NAN;
         return;
     }
-    sample->rho = sample->power * dif_brdf_gain_rho(index, query->wi, query->wo);
-    sample->brdf_per_sr = sample->power * dif_brdf_gain_per_sr(index, query->wi, query->wo, query->lambda_um, area_um2);
+    const double seen = sample->power * dif_shadow_factor(opts->shadow, query->wi, query->wo);
+    sample->rho = seen * dif_brdf_gain_rho(index, query->wi, query->wo);
+    sample->brdf_per_sr = seen * dif_brdf_gain_per_sr(index, query->wi, query->wo, query->lambda_um, area_um2);
 }
 
 static dif_status measure_queries(const dif_field *field, size_t n, const dif_query *query, double tol,

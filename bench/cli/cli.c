@@ -101,6 +101,17 @@ void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quant
         dif_cli_add(cli, for_table, DIF_COUNT(for_table));
 }
 
+void dif_cli_add_shadowing(dif_cli *cli, dif_cli_measure *measure)
+{
+    const dif_opt opts[] = {
+        {"shadowing", DIF_OPT_CHOICE, &measure->shadowing, "none|vcavity|smith|ndf", NULL,
+         "factor S in rho and brdf: vcavity (Torrance-Sparrow), smith (Gaussian slopes with the surface's covariance), "
+         "ndf (the surface's own normals); default none",
+         NULL},
+    };
+    dif_cli_add(cli, opts, DIF_COUNT(opts));
+}
+
 const char *dif_cli_fixture_kind(const char *title)
 {
     static const char mark[] = "diffbench fixture "; /* how `fixture` titles its files */
@@ -137,6 +148,20 @@ dif_measure_opts dif_cli_measure_opts(const dif_cli *cli, const dif_cli_measure 
     else
         opts.average = (dif_average)measure->average;
     return opts;
+}
+
+dif_status dif_cli_measure_shadow(const dif_cli *cli, const dif_cli_measure *measure, const dif_field_file *file,
+                                  dif_measure_opts *opts, dif_shadow *shadow, dif_error *err)
+{
+    const dif_status status = dif_shadow_create((dif_shadowing)measure->shadowing, &file->field, shadow, err);
+    if (status)
+        return status;
+    if (shadow->kind != DIF_SHADOWING_NONE)
+        opts->shadow = shadow;
+    if (shadow->n_row > 0)
+        dif_cli_say(cli, "%s shadowing: slopes of %.4g rms along x, %.4g along y", dif_shadowing_name(shadow->kind),
+                    sqrt(shadow->slopes.var_x), sqrt(shadow->slopes.var_y));
+    return DIF_OK;
 }
 
 dif_status dif_cli_measure_period(const dif_cli *cli, const dif_field_file *file, dif_measure_opts *opts,

@@ -40,6 +40,7 @@ typedef struct dif_cli_measure {
     double sigma_um;
     double index_n, index_kappa;
     int n_check;
+    int shadowing; /* the enum's number */
 } dif_cli_measure;
 
 #define DIF_AVERAGE_BY_SURFACE (-1) /* none for a synthetic surface of ours, welch for any other */
@@ -52,6 +53,15 @@ void dif_cli_add_measure(dif_cli *cli, dif_cli_measure *measure, bool with_quant
 /* The options of bench/measure.h for a surface. */
 dif_measure_opts dif_cli_measure_opts(const dif_cli *cli, const dif_cli_measure *measure, const dif_field_file *file,
                                       dif_progress *progress);
+
+/* Adds --shadowing, for verbs that measure rho or the BRDF. */
+void dif_cli_add_shadowing(dif_cli *cli, dif_cli_measure *measure);
+
+/* Prepares the shadowing that was asked for and gives it to *opts; *shadow is freed with dif_shadow_free.
+ * Status of dif_shadow_create */
+DIF_MUST_USE dif_status dif_cli_measure_shadow(const dif_cli *cli, const dif_cli_measure *measure,
+                                               const dif_field_file *file, dif_measure_opts *opts, dif_shadow *shadow,
+                                               dif_error *err);
 
 /* Gives pq and stam the period that the user did not: a harmonic fit of the heights. Says what it found.
  * Status of dif_fit_surface */

@@ -38,6 +38,7 @@ static void add_options(dif_cli *cli, eval_args *args)
     };
     dif_cli_add(cli, opts, DIF_COUNT(opts));
     dif_cli_add_measure(cli, &args->measure, false);
+    dif_cli_add_shadowing(cli, &args->measure);
     dif_cli_add_surface(cli, &args->surface);
 }
 
@@ -50,6 +51,7 @@ typedef struct eval_run {
     dif_sample *sample;
     dif_measure_opts opts;
     dif_measure_stats stats;
+    dif_shadow shadow;
     int n_checked;
     double worst_error; /* of the amplitude, on the checked queries */
     size_t worst_at;
@@ -59,6 +61,7 @@ static void run_free(eval_run *run)
 {
     dif_field_file_free(&run->file);
     dif_manifest_free(&run->manifest);
+    dif_shadow_free(&run->shadow);
     dif_release(run->query);
     dif_release(run->degrees);
     dif_release(run->sample);
@@ -106,6 +109,8 @@ static dif_status measure(const dif_cli *cli, const eval_args *args, eval_run *r
     if (args->amplitude)
         run->opts.average = DIF_AVERAGE_NONE;
     status = dif_cli_measure_period(cli, &run->file, &run->opts, err);
+    if (!status)
+        status = dif_cli_measure_shadow(cli, &args->measure, &run->file, &run->opts, &run->shadow, err);
     if (!status)
         status = dif_measure_queries(&run->file.field, run->n, run->query, args->measure.tol, &run->opts, run->sample,
                                      &run->stats, err);

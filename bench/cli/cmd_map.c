@@ -60,6 +60,7 @@ static void add_options(dif_cli *cli, map_args *args)
     };
     dif_cli_add(cli, opts, DIF_COUNT(opts));
     dif_cli_add_measure(cli, &args->measure, true);
+    dif_cli_add_shadowing(cli, &args->measure);
     dif_cli_add(cli, output, DIF_COUNT(output));
     dif_cli_add_surface(cli, &args->surface);
 }
@@ -71,6 +72,7 @@ typedef struct map_run {
     dif_manifest manifest;
     dif_measure_opts opts;
     dif_measure_stats stats;
+    dif_shadow shadow;
     dif_map_check check;
     double exposure;
 } map_run;
@@ -80,6 +82,7 @@ static void run_free(map_run *run)
     dif_field_file_free(&run->file);
     dif_map_image_free(&run->image);
     dif_manifest_free(&run->manifest);
+    dif_shadow_free(&run->shadow);
 }
 
 static dif_status fill_image(const map_args *args, dif_map_image *image, dif_error *err)
@@ -120,6 +123,8 @@ static dif_status measure(const dif_cli *cli, const map_args *args, map_run *run
                                .keep_layers = args->spectral || args->measure.n_check > 0};
     run->opts = dif_cli_measure_opts(cli, &args->measure, &run->file, &progress);
     status = dif_cli_measure_period(cli, &run->file, &run->opts, err);
+    if (!status)
+        status = dif_cli_measure_shadow(cli, &args->measure, &run->file, &run->opts, &run->shadow, err);
     if (!status)
         status = dif_map_measure(&run->file.field, &plan, args->measure.tol, &run->opts, &map, &run->stats, err);
     if (!status && args->measure.n_check > 0)

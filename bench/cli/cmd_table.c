@@ -44,6 +44,7 @@ static void add_options(dif_cli *cli, table_args *args)
     };
     dif_cli_add(cli, opts, DIF_COUNT(opts));
     dif_cli_add_measure(cli, &args->measure, true);
+    dif_cli_add_shadowing(cli, &args->measure);
     dif_cli_add(cli, output, DIF_COUNT(output));
     dif_cli_add_surface(cli, &args->surface);
 }
@@ -56,6 +57,7 @@ typedef struct table_run {
     dif_manifest manifest;
     dif_measure_opts opts;
     dif_measure_stats stats;
+    dif_shadow shadow;
     dif_measure_check check;
 } table_run;
 
@@ -65,6 +67,7 @@ static void run_free(table_run *run)
     dif_plan_free(&run->plan);
     dif_table_free(&run->table);
     dif_manifest_free(&run->manifest);
+    dif_shadow_free(&run->shadow);
 }
 
 static dif_status measure(const dif_cli *cli, const table_args *args, table_run *run, dif_error *err)
@@ -82,6 +85,8 @@ static dif_status measure(const dif_cli *cli, const table_args *args, table_run 
         return status;
     run->opts = dif_cli_measure_opts(cli, &args->measure, &run->file, &progress);
     status = dif_cli_measure_period(cli, &run->file, &run->opts, err);
+    if (!status)
+        status = dif_cli_measure_shadow(cli, &args->measure, &run->file, &run->opts, &run->shadow, err);
     if (!status)
         status = dif_measure_table(&run->file.field, &run->plan, args->measure.tol, &run->opts, &run->table,
                                    &run->stats, err);

@@ -37,9 +37,8 @@ dif_status dif_cli_manifest_surface(dif_manifest *manifest, const dif_field_file
 /* The normalisation of each quantity, as text. */
 static const char *const NORMALISATION[] = {
     [DIF_QUANTITY_POWER] = "p = |P / sum W|^2",
-    [DIF_QUANTITY_RHO] = "rho = R(theta_h)/R(0) (1 + wi.wo)^2 / ((cos_i + cos_o)^2 cos_o) p, no shadowing",
-    [DIF_QUANTITY_BRDF] = "brdf = R (1 + wi.wo)^2 / (cos_i cos_o w^2) (T^2 sum W)^2 / (lambda^2 T^2 sum W^2) p, "
-                          "no shadowing",
+    [DIF_QUANTITY_RHO] = "rho = R(theta_h)/R(0) (1 + wi.wo)^2 / ((cos_i + cos_o)^2 cos_o) p",
+    [DIF_QUANTITY_BRDF] = "brdf = R (1 + wi.wo)^2 / (cos_i cos_o w^2) (T^2 sum W)^2 / (lambda^2 T^2 sum W^2) p",
 };
 
 static dif_status add_window(dif_manifest *manifest, const dif_measure_opts *opts, const dif_measure_stats *stats,
@@ -71,6 +70,15 @@ static dif_status add_bound(dif_manifest *manifest, const dif_measure_opts *opts
                              stats->n_replica_y);
 }
 
+static dif_status add_shadowing(dif_manifest *manifest, const dif_shadow *shadow, dif_error *err)
+{
+    const dif_status status = dif_manifest_set(manifest, "shadowing", dif_shadowing_name(shadow->kind), err);
+    if (status || shadow->n_row == 0)
+        return status;
+    return dif_manifest_setf(manifest, err, "shadowing_slopes", "variances %.6g, %.6g, covariance %.6g",
+                             shadow->slopes.var_x, shadow->slopes.var_y, shadow->slopes.cov_xy);
+}
+
 dif_status dif_cli_manifest_measure(dif_manifest *manifest, double tol, const dif_measure_opts *opts,
                                     const dif_measure_stats *stats, dif_error *err)
 {
@@ -82,7 +90,12 @@ dif_status dif_cli_manifest_measure(dif_manifest *manifest, double tol, const di
         return status;
     if (stats->n_plane > 0 && (status = dif_manifest_setf(manifest, err, "planes", "%d", stats->n_plane)))
         return status;
-    return dif_manifest_set(manifest, "normalisation", NORMALISATION[opts->quantity], err);
+    if (opts->shadow && (status = add_shadowing(manifest, opts->shadow, err)))
+        return status;
+    return dif_manifest_setf(manifest, err, "normalisation", "%s%s", NORMALISATION[opts->quantity],
+                             opts->quantity == DIF_QUANTITY_POWER ? ""
+                             : opts->shadow                       ? " S"
+                                                                  : ", no shadowing");
 }
 
 json_t *dif_json_number(double value)

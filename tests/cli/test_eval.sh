@@ -68,4 +68,17 @@ for bad in 90,0,0,0,500 0,0,-95,0,500 0,0,0,0,0 0,0,0,0,-500 0,0,0,0,nan 0,0,0,0
     printf 'theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm\n1,0,2,0,500\n%s\n' "$bad" >bad.csv
     refuses 3 'eval: bad.csv: .*(line|row) 3' eval s.exr --queries bad.csv
 done
+
+# shadowing keeps the BRDF reciprocal and the power as it is
+run 0 fixture random --size-um 10 --pixels 128 --height-nm 300 --out rough.gsf
+printf '%s\n' theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm 75,10,40,200,550 40,200,75,10,550 >pairs.csv
+run 0 eval rough.gsf --queries pairs.csv --sigma-um 3 --json
+power=$(json samples.0.power)
+brdf=$(json samples.0.brdf)
+for kind in vcavity smith ndf; do
+    run 0 eval rough.gsf --queries pairs.csv --sigma-um 3 --shadowing $kind --json
+    ok "$kind: the power stays" [ "$(json samples.0.power)" = "$power" ]
+    ok "$kind: the BRDF shrinks" awk -v a="$(json samples.0.brdf)" -v b="$brdf" 'BEGIN { exit !(a < b) }'
+    ok "$kind: reciprocal" awk -v a="$(json samples.0.brdf)" -v b="$(json samples.1.brdf)" 'BEGIN { exit !(a / b > 0.999999 && a / b < 1.000001) }'
+done
 finish

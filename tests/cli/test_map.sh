@@ -74,4 +74,13 @@ refuses 3 'map: none/x.exr: cannot write' map blazed.gsf --theta-i-deg 1 --out n
 refuses 3 'map: none.gsf: ' map none.gsf --theta-i-deg 1 --out x.exr
 refuses 2 'map: no wavelength in 380 ... 780 nm|map: .*380' map blazed.gsf --theta-i-deg 1 --pixels 16 --lambda-nm 900 --out x.exr --quiet
 ok "nothing left behind" [ -z "$(find . -name 'x.*')" ]
+
+# shadowing darkens a map of a rough surface
+run 0 fixture random --size-um 10 --pixels 128 --height-nm 300 --out rough.gsf
+dark=(rough.gsf --theta-i-deg 70 --pixels 32 "${lambdas[@]}" --sigma-um 3 --json)
+run 0 map "${dark[@]}" --png m.png
+bare=$(json light.peak_Y)
+run 0 map "${dark[@]}" --png m.png --shadowing ndf --check 20
+ok "darker" awk -v a="$(json light.peak_Y)" -v b="$bare" 'BEGIN { exit !(a < b) }'
+ok "and says why" [ "$(json provenance.shadowing)" = ndf ]
 finish

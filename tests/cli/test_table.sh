@@ -105,4 +105,26 @@ refuses 2 'larger than the patch' table g.exr "${line[@]}" --method pq --grating
 run 0 fixture random --pixels 64 --size-um 3 --out r.exr
 refuses 1 'table: r.exr: pq needs a period.*--grating-nm' table r.exr "${line[@]}" --method pq
 refuses 2 'table: --replicas' table g.exr "${line[@]}" --method pq --replicas 0
+
+# shadowing scales rho, is 1 where nothing hides, and says so
+run 0 fixture random --size-um 10 --pixels 128 --height-nm 300 --out rough.gsf
+shadow=(rough.gsf --theta-i-deg 70 --angle-deg -80:80:40 --lambda-nm 550 --sigma-um 3)
+run 0 table "${shadow[@]}"
+out_has '^# normalisation: rho = .*, no shadowing$'
+rows out >bare
+for kind in vcavity smith ndf; do
+    run 0 table "${shadow[@]}" --shadowing $kind --check 5
+    out_has "^# shadowing: $kind$"
+    out_has '^# normalisation: rho = .* p S$'
+    rows out >seen
+    ok "$kind leaves less, never more" awk -F, 'NR == FNR { bare[NR] = $6; next } { if ($6 > bare[FNR]) bad = 1; if ($6 < bare[FNR]) less = 1 }
+        END { exit bad || !less }' bare seen
+done
+run 0 table "${shadow[@]}" --quantity power
+rows out >bare
+run 0 table "${shadow[@]}" --quantity power --shadowing ndf
+rows out >seen
+ok "power knows no shadowing" cmp -s bare seen
+refuses 2 "table: --shadowing 'torrance': unknown, expected one of none\|vcavity\|smith\|ndf" table "${shadow[@]}" --shadowing torrance
+refuses 3 "table: the source's program has no smith shadowing" table "${shadow[@]}" --method thesis --shadowing smith --quiet
 finish
