@@ -11,8 +11,6 @@ static void test_parse__known_formats_that_are_not_read_say_so(void **state)
     static const struct {
         const char *bytes, *what;
     } FORMATS[] = {
-        {"GWYPGwyContainer", "a Gwyddion file"},
-        {"GWYO", "a Gwyddion file (version 1)"},
         {"\xff\xd8\xff\xe0", "a JPEG picture, which is lossy"},
         {"\x89HDF\r\n", "an HDF5 file"},
         {"CDF\x01", "a netCDF file"},

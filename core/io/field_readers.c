@@ -30,6 +30,7 @@ static bool is_any(const dif_source *source)
 static const dif_reader READERS[] = {
     {"gsf", is_gsf, dif_gsf_read, NULL, NULL},
     {"exr", dif_exr_is, NULL, dif_exr_field_list, dif_exr_field_read},
+    {"gwy", dif_gwy_is_file, NULL, dif_gwy_list, dif_gwy_read},
     {"nanoscope", dif_nanoscope_is, NULL, dif_nanoscope_list, dif_nanoscope_read},
     {"sdf", dif_sdf_is, dif_sdf_read, NULL, NULL},
     {"x3p", dif_x3p_is, NULL, dif_x3p_list, dif_x3p_read},
@@ -41,8 +42,6 @@ static const dif_reader READERS[] = {
 static const struct {
     const char *magic, *what;
 } UNREADABLE[] = {
-    {"GWYP", "a Gwyddion file"},
-    {"GWYO", "a Gwyddion file (version 1)"},
     {"\x1f\x8b", "a gzip archive within a gzip archive, unpack it first"},
     {"\xff\xd8\xff", "a JPEG picture, which is lossy"},
     {"\x89HDF", "an HDF5 file"},
