@@ -27,8 +27,7 @@ int dif_nmm_count_max(const dif_nmm *nmm)
     return (int)fmax(bins, nmm->n_fixed);
 }
 
-/* Bins seen at s: first and number, 0 if fixed wavelengths take over. */
-static int bins_seen(const dif_nmm *nmm, double s, int *first)
+int dif_nmm_bins(const dif_nmm *nmm, double s, int *first)
 {
     const double reach = nmm->extent_um * s;
     *first = (int)fmax(ceil(reach / nmm->lambda_max_um * (1.0 - 1e-12)), 1.0);
@@ -47,7 +46,7 @@ static int sample(const dif_nmm *nmm, double s, double *lambda_um, double *weigh
 {
     const double range_um = nmm->lambda_max_um - nmm->lambda_min_um;
     int first;
-    const int n = bins_seen(nmm, s, &first);
+    const int n = dif_nmm_bins(nmm, s, &first);
     for (int i = 0; i < n; i++) {
         lambda_um[i] = nmm->extent_um * s / (first + i);
         const double step = nmm->line_area_per_um > 0.0 ? nmm->line_area_per_um : 1.0 / nmm->extent_um;
@@ -70,7 +69,7 @@ int dif_nmm_wavelengths(const dif_nmm *nmm, double s, double *lambda_um, double 
 double dif_nmm_nearest_um(const dif_nmm *nmm, double s, double lambda_um)
 {
     int first;
-    const int n = bins_seen(nmm, s, &first);
+    const int n = dif_nmm_bins(nmm, s, &first);
     if (n > 0) {
         const double bin = rint(nmm->extent_um * s / lambda_um);
         return nmm->extent_um * s / fmin(fmax(bin, first), first + n - 1.0);
@@ -105,7 +104,7 @@ int dif_nmm_weights(const dif_nmm *nmm, const double scale[3], double s, double 
 {
     double sum[3] = {0.0, 0.0, 0.0}, white[3];
     int first;
-    const bool fixed = bins_seen(nmm, s, &first) == 0;
+    const bool fixed = dif_nmm_bins(nmm, s, &first) == 0;
     const int n = sample(nmm, s, lambda_um, &xyz_weight[0][0], 3);
     for (int i = 0; i < n; i++) {
         const double step_um = xyz_weight[i][0];

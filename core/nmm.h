@@ -39,6 +39,9 @@ typedef struct dif_nmm {
 /* DIF_OK, or DIF_ERR_ARG. */
 DIF_MUST_USE dif_status dif_nmm_check(const dif_nmm *nmm, dif_error *err);
 
+/* The bins that a direction with s = |(u, v)| in [0, 2] samples: *first and their number, 0 if fixed wavelengths take over. */
+int dif_nmm_bins(const dif_nmm *nmm, double s, int *first);
+
 /* Most wavelengths that any direction (s <= 2) needs. */
 int dif_nmm_count_max(const dif_nmm *nmm);
 

@@ -32,7 +32,8 @@
 #define DIF_JOB_IS_COLOURS 2
 
 /* Entries of the lists, in pairs. A direction: 3 coordinates on the sheet's axes, the two cosines, and from
- * DIF_DIR_MORE on what the method adds: pq (u, v); nmm the coordinates over s, (first bin, number of bins), D s. */
+ * DIF_DIR_MORE on what the method adds: pq (u, v); nmm the coordinates over s, (first bin, number of bins), D s. A query's
+ * coordinates are those times 2 pi / lambda; its DIF_DIR_BINS is the wavelength that is read, DIF_DIR_REACH the one asked. */
 #define DIF_DIR_COSINES 3
 #define DIF_DIR_MORE    4
 #define DIF_DIR_BINS    7

@@ -54,7 +54,8 @@ typedef enum dif_gpu_fault {
 typedef struct dif_gpu_eval_opts {
     dif_gpu_path path;
     dif_gpu_fault fault;
-    bool half; /* lut: half-float texels, as a game would; else float where it can be filtered */
+    bool half;           /* lut: half-float texels, as a game would; else float where it can be filtered       */
+    size_t budget_bytes; /* planes that stay on the device; a model of more sheets is streamed, one at least   */
 } dif_gpu_eval_opts;
 
 dif_gpu_eval_opts dif_gpu_eval_opts_default(void);

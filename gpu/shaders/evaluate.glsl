@@ -73,12 +73,13 @@ float gain_of(vec3 uvw, int d, float lambda_um)
 
 #if DIF_JOB == DIF_JOB_IS_VALUES
 
-// Query i: its coordinates are rad/um already, wave 0 turns them into bins.
+// Query i: its coordinates are rad/um already, wave 0 turns them into bins. nmm may read another wavelength than the
+// one that the gain is of.
 float value_of(int i)
 {
     int d = i * DIF_DIR_STRIDE;
-    float lambda_um = dif_list(directions, d + DIF_DIR_REACH).x;
-    return power_of(d, d + DIF_DIR_MORE, 0) * gain_of(coordinates(d, lambda_um / DIF_TWO_PI), d, lambda_um);
+    float read_um = dif_list(directions, d + DIF_DIR_BINS).x, lambda_um = dif_list(directions, d + DIF_DIR_REACH).x;
+    return power_of(d, d + DIF_DIR_MORE, 0) * gain_of(coordinates(d, read_um / DIF_TWO_PI), d, lambda_um);
 }
 
 vec4 answer(ivec2 at, int width)
