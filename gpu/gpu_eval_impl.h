@@ -128,6 +128,28 @@ DIF_MUST_USE dif_status dif_eval_dispatch(dif_gpu_eval *eval, int job, int nx, i
 /* result[from] into `texels`. */
 DIF_MUST_USE dif_status dif_eval_fetch(dif_gpu_eval *eval, int nx, int ny, int from, dif_error *err);
 
+/* ---- gpu_eval_pass.c ---- */
+
+/* One pass: what the shader counts, and how big its result is. */
+typedef struct dif_eval_pass {
+    int job;
+    int n;        /* items: queries, angles or directions                                  */
+    int nx, ny;   /* texels                                                                */
+    int n_lambda; /* table: wavelengths of this pass; colours by full sampling: all        */
+    const double *lambda_um;
+} dif_eval_pass;
+
+/* Runs a pass over the sheets in the slots, first ... first + n_slot - 1 of the model; the sum comes back in `texels`. */
+DIF_MUST_USE dif_status dif_eval_run_pass(dif_gpu_eval *eval, const dif_eval_pass *ps, int first, dif_error *err);
+
+/* ---- gpu_eval_calls.c: of dif_evaluator ---- */
+
+dif_status dif_eval_values(void *self, size_t n, const dif_query *query, double *value, dif_eval_cost *cost,
+                           dif_error *err);
+dif_status dif_eval_table(void *self, const dif_plan *plan, double *value, dif_eval_cost *cost, dif_error *err);
+dif_status dif_eval_colours(void *self, size_t n, const dif_vec3 *wi, const dif_vec3 *wo, double (*xyz)[3],
+                            dif_eval_cost *cost, dif_error *err);
+
 /* ---- gpu_eval_lut.c ---- */
 
 /* The table as a texture: 3 K numbers a place, four to a texel; shape[4] and more[2] are what dif_lut_colour wants.
