@@ -37,7 +37,8 @@ DIF_MUST_USE dif_status dif_prep_tilt_of(const dif_field *field, dif_prep_tilt *
  * plane. Terms that the points do not determine (a single row) are left out. */
 DIF_MUST_USE dif_status dif_prep_level(dif_field *field, int degree, dif_error *err);
 
-/* A plane; then a degree more, up to DIF_LEVEL_AUTO_MAX, as long as it takes more than 5 % of the variance that is left. */
+/* A plane; then a degree more, up to DIF_LEVEL_AUTO_MAX, as long as it takes more than 5 % of the variance that is
+ * left. */
 DIF_MUST_USE dif_status dif_prep_level_auto(dif_field *field, int *degree, dif_error *err);
 
 typedef enum dif_prep_lines_method {
@@ -63,8 +64,9 @@ DIF_MUST_USE dif_status dif_prep_despike(dif_field *field, dif_prep_limit limit,
 
 enum { DIF_SCAR_ROWS_MAX = 3, DIF_SCAR_SAMPLES_MIN = 8 };
 
-/* The same for scars: stretches of at least DIF_SCAR_SAMPLES_MIN samples along x, up to DIF_SCAR_ROWS_MAX rows thick, all
- * above (or all below) both rows that enclose them by more than the limit; sigma is that of steps from row to row. */
+/* The same for scars: stretches of at least DIF_SCAR_SAMPLES_MIN samples along x, up to DIF_SCAR_ROWS_MAX rows thick,
+ * all above (or all below) both rows that enclose them by more than the limit; sigma is that of steps from row to
+ * row. */
 DIF_MUST_USE dif_status dif_prep_scars(dif_field *field, dif_prep_limit limit, size_t *n_found, dif_error *err);
 
 typedef enum dif_prep_fill_method {
@@ -92,16 +94,18 @@ DIF_MUST_USE dif_status dif_prep_crop(dif_field *field, const dif_prep_box *box,
 
 /* Other pitches over the same patch about the same centre; a remainder of a sample is cut. Interpolation is by quintic
  * splines; towards a coarser pitch heights pass a low-pass first, so that nothing is aliased.
- * Accuracy  of a sine of period d, relative to its amplitude, 16 samples from the edges: 1.5 (pitch/d)^6 towards a finer pitch
- *           and 2e-4 towards a coarser one for d >= 4 new pitches. At an edge the field goes on point-symmetrically. */
+ * Accuracy  of a sine of period d, relative to its amplitude, 16 samples (8 new ones if coarser) from the edges:
+ *           2.5 (pitch/(d - pitch))^6 towards a finer pitch, 2e-4 towards a coarser one for d >= 4 new pitches. At an
+ *           edge the field goes on point-symmetrically. */
 DIF_MUST_USE dif_status dif_prep_resample(dif_field *field, double pitch_x_um, double pitch_y_um, dif_error *err);
 
 /* Turns the sample counter-clockwise seen from above: a groove normal at azimuth psi goes to psi + angle. Quarter turns
  * are exact; else the largest rectangle inside the turned patch is kept, at square pixels of the finer pitch. */
 DIF_MUST_USE dif_status dif_prep_rotate(dif_field *field, double angle_rad, dif_error *err);
 
-/* Subtracts the Gaussian mean line of ISO 16610 (half of a wave of the cut-off's length passes), fitted as a local straight
- * line along x and y, so that a plane is removed to its edges. For the bow of a scanner. cutoff_um > 2 pitches. */
+/* Subtracts the Gaussian mean line of ISO 16610 (half of a wave of the cut-off's length passes), fitted as a local
+ * straight line along x and y, so that a plane is removed to its edges. For the bow of a scanner.
+ * cutoff_um > 2 pitches. */
 DIF_MUST_USE dif_status dif_prep_highpass(dif_field *field, double cutoff_um, dif_error *err);
 
 typedef struct dif_prep_lattice {

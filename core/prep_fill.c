@@ -12,7 +12,8 @@
 #include "core/alloc.h"
 #include "core/prep_impl.h"
 
-enum { SIDE_COARSEST = 8, ITERATIONS_MAX = 1000 };
+enum { SIDE_COARSEST = 8, ITERATIONS_MIN = 200, ITERATIONS_MAX = 5000 };
+static const double WORK_MAX = 5e7;         /* iterations times points, some seconds */
 static const double RESIDUAL_WANTED = 1e-9; /* relative to that of a constant filling */
 
 typedef struct hole {
@@ -115,8 +116,9 @@ static double find_forces(const hole *h, const double *z, room *r)
 /* Conjugate gradients with the diagonal as preconditioner, on the unknowns of z; returns the misfit that is left. */
 static double relax(const hole *h, double *z, double wanted, room *r)
 {
+    const double n_most = fmin(fmax(WORK_MAX / (double)h->n, ITERATIONS_MIN), ITERATIONS_MAX);
     double left = find_forces(h, z, r), turn = 0.0;
-    for (int k = 0; k < ITERATIONS_MAX && left > wanted; k++) {
+    for (int k = 0; k < n_most && left > wanted; k++) {
         double bend = 0.0, next = 0.0, own;
         for (size_t i = 0; i < h->n; i++)
             r->direction[h->at[i]] = r->force[i] * r->inverse[i] + turn * r->direction[h->at[i]];
@@ -155,11 +157,11 @@ static void halve(const hole *h, const double *z, hole *half, double *coarse)
         }
 }
 
-/* Place of fine sample i between coarse samples: the lower one and the share of the next. */
+/* Place of fine sample i between coarse samples: the lower one and the share of the next; at the ends the line goes on. */
 static int between(int i, int n, double *share)
 {
-    const double at = fmin(fmax(0.5 * (i - 0.5), 0.0), n - 1.0);
-    const int low = n < 2 ? 0 : (int)fmin(floor(at), n - 2.0);
+    const double at = 0.5 * (i - 0.5);
+    const int low = n < 2 ? 0 : (int)fmin(fmax(floor(at), 0.0), n - 2.0);
     *share = n < 2 ? 0.0 : at - low;
     return low;
 }
@@ -286,6 +288,33 @@ static dif_status find_reach(const dif_field *field, int *reach, dif_error *err)
     return DIF_OK;
 }
 
+/* The field's least-squares plane at a sample, without its constant. */
+static double plane_at(const dif_field *field, const dif_prep_tilt *tilt, size_t at)
+{
+    const int ix = (int)(at % (size_t)field->nx), iy = (int)(at / (size_t)field->nx);
+    return tilt->slope_x * dif_field_x_um(field, ix) + tilt->slope_y * dif_field_y_um(field, iy);
+}
+
+/* Fills a copy: without its tilt, which is the slowest thing to spread into a hole; heights that are there stay as they
+ * are to the bit. Least slope knows no tilt. */
+static dif_status fill_copy(const dif_field *field, dif_prep_fill_method method, double *z, double *residual,
+                            dif_error *err)
+{
+    const double px2 = field->pitch_x_um * field->pitch_x_um, py2 = field->pitch_y_um * field->pitch_y_um;
+    const hole shape = {
+        .nx = field->nx, .ny = field->ny, .wx = fmin(px2, py2) / px2, .wy = fmin(px2, py2) / py2, .method = method};
+    const size_t n = dif_field_n(field);
+    dif_prep_tilt tilt = {0};
+    dif_status status = method == DIF_FILL_PLATE ? dif_prep_tilt_of(field, &tilt, err) : DIF_OK;
+    for (size_t i = 0; i < n; i++)
+        z[i] = field->z_um[i] - plane_at(field, &tilt, i);
+    if (!status)
+        status = fill(&shape, z, residual, err);
+    for (size_t i = 0; i < n; i++)
+        z[i] = isfinite(field->z_um[i]) ? field->z_um[i] : z[i] + plane_at(field, &tilt, i);
+    return status;
+}
+
 dif_status dif_prep_fill(dif_field *field, dif_prep_fill_method method, dif_prep_filled *out, dif_error *err)
 {
     dif_prep_filled filled = {0};
@@ -302,16 +331,11 @@ dif_status dif_prep_fill(dif_field *field, dif_prep_fill_method method, dif_prep
         return DIF_OK;
     if (filled.n == dif_field_n(field))
         return dif_fail(err, DIF_ERR_NONFINITE, "all %zu heights are missing: nothing to fill from", filled.n);
-    const double px2 = field->pitch_x_um * field->pitch_x_um, py2 = field->pitch_y_um * field->pitch_y_um;
-    const hole shape = {
-        .nx = field->nx, .ny = field->ny, .wx = fmin(px2, py2) / px2, .wy = fmin(px2, py2) / py2, .method = method};
     status = find_reach(field, &filled.reach, err);
     if (!status)
         status = dif_field_create(field->nx, field->ny, field->pitch_x_um, field->pitch_y_um, &whole, err);
-    if (!status) {
-        memcpy(whole.z_um, field->z_um, dif_field_n(field) * sizeof *whole.z_um);
-        status = fill(&shape, whole.z_um, &filled.residual, err);
-    }
+    if (!status)
+        status = fill_copy(field, method, whole.z_um, &filled.residual, err);
     if (!status) {
         dif_prep_replace(field, &whole);
         if (out)

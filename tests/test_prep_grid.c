@@ -163,13 +163,13 @@ static void test_resample__band_limited_sine_to_the_stated_error(void **state)
     for (int k = 0; k < 5; k++) {
         const double to_um = pitches_um[k];
         const wave w = {fmax(8.0, 4.0 * to_um), 0.0, 0.7}; /* 8 samples a period, or 4 new ones */
-        dif_field field = make(&w, 200, 48, 1.0, 1.0);
+        dif_field field = make(&w, 200, 80, 1.0, 1.0);
         assert_int_equal(dif_prep_resample(&field, to_um, to_um, NULL), DIF_OK);
         assert_int_equal(field.nx, (int)(200 / to_um));
         assert_near(field.pitch_y_um, to_um, 0.0, 0.0);
-        const double off = off_wave(&field, &w, (int)(17.0 / to_um));
+        const double off = off_wave(&field, &w, to_um > 1.0 ? 9 : (int)(17.0 / to_um));
         print_message("to a pitch of %g: off by %.3g\n", to_um, off);
-        assert_at_most(off, to_um > 1.0 ? 2e-4 : 1.5 * pow(1.0 / 8.0, 6.0));
+        assert_at_most(off, to_um > 1.0 ? 2e-4 : 2.5 * pow(1.0 / 7.0, 6.0));
         dif_field_free(&field);
     }
 }
@@ -238,7 +238,9 @@ static void test_rotate__azimuth_turns_with_the_sample(void **state)
         dif_fit_surface_result fit;
         assert_int_equal(dif_prep_rotate(&field, dif_rad_from_deg(turns_deg[k]), NULL), DIF_OK);
         assert_true(field.nx > 30 && field.ny > 30);
-        assert_at_most(off_wave(&field, &turned, 0), 3e-3); /* at the patch's edge; inside 1e-5 */
+        const bool is_exact = fmod(turns_deg[k], 90.0) == 0.0;
+        assert_at_most(off_wave(&field, &turned, 20), is_exact ? 1e-12 : 1.2e-5); /* 2.5 / 8^6 */
+        assert_at_most(off_wave(&field, &turned, 0), 0.03);                       /* corners reach the patch's edge */
         assert_int_equal(dif_fit_surface(&field, NULL, &fit, NULL), DIF_OK);
         assert_near(fit.period_um, 9.0, 1e-5, 0.0);
         assert_near(sin(fit.psi_rad - turned.psi_rad), 0.0, 0.0, 1e-5);
@@ -255,9 +257,10 @@ static void test_highpass__plane_goes_and_a_grating_stays(void **state)
         for (int ix = 0; ix < 180; ix++)
             *at(&field, ix, iy) += 40.0 + 0.5 * dif_field_x_um(&field, ix) + 0.1 * dif_field_y_um(&field, iy);
     assert_int_equal(dif_prep_highpass(&field, 20.0, NULL), DIF_OK);
-    /* inside, a wave of a quarter of the cut-off keeps 1 - 2^-16; half a cut-off from an edge the fitted line gives way */
-    assert_at_most(off_wave(&field, &w, 30), 5e-3);
-    assert_at_most(off_wave(&field, &w, 0), 0.25);
+    /* inside, a wave of a quarter of the cut-off keeps 1 - 2^-16; near an edge the line's end follows the wave */
+    assert_at_most(off_wave(&field, &w, 40), 1e-4);
+    assert_at_most(off_wave(&field, &w, 20), 0.05);
+    assert_at_most(off_wave(&field, &w, 0), 0.6);
     dif_field_free(&field);
     field = blank(64, 48, 0.5, 0.5);
     for (int iy = 0; iy < 48; iy++)
@@ -308,10 +311,10 @@ static void test_whole_periods__one_bin_holds_everything(void **state)
     for (int k = 0; k < 5; k++) {
         const wave w = {11.37, dif_rad_from_deg(psi_deg[k]), 0.8};
         const dif_prep_lattice lattice = {w.period_um, w.psi_rad, (double)NAN};
-        dif_field field = make(&w, 200, 170, 1.0, 1.0);
+        dif_field field = make(&w, 200, 165, 1.0, 1.0);
         const bool along_x = psi_deg[k] < 45.0;
         int n_period[2];
-        const double before = leakage(&field, along_x, (int)floor((along_x ? 200 : 170) / 11.37 + 0.5));
+        const double before = leakage(&field, along_x, (int)floor((along_x ? 200 : 165) / 11.37 + 0.5));
         assert_int_equal(dif_prep_whole_periods(&field, &lattice, n_period, NULL), DIF_OK);
         assert_true(n_period[0] >= 12 && n_period[1] == 0);
         assert_near(along_x ? field.nx * field.pitch_x_um : field.ny * field.pitch_y_um, n_period[0] * 11.37, 1e-12,
