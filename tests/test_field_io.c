@@ -1,9 +1,4 @@
-/* mkdtemp */
-#define _POSIX_C_SOURCE 200809L
-
 #include "tests/io_cases.h"
-
-#include <unistd.h>
 
 static void test_parse__known_formats_that_are_not_read_say_so(void **state)
 {
@@ -69,39 +64,6 @@ static void test_read__missing_file_and_directory(void **state)
     assert_string_equal(err.text, "/no/such/file.gsf: cannot open: No such file or directory");
     assert_int_equal(dif_field_read("/tmp", NULL, &file, &err), DIF_ERR_IO);
     assert_string_equal(err.text, "/tmp: is a directory, want a file");
-}
-
-static void test_write__by_extension_and_back(void **state)
-{
-    (void)state;
-    static const char *const NAMES[] = {"a.exr", "a.gsf"};
-    char folder[] = "/tmp/dif-field-XXXXXX", path[64];
-    assert_non_null(mkdtemp(folder));
-    dif_field field;
-    dif_error err;
-    assert_int_equal(dif_field_create(5, 4, 0.1, 0.2, &field, &err), DIF_OK);
-    for (int i = 0; i < 20; i++)
-        field.z_um[i] = 0.01 * i;
-    for (int i = 0; i < 2; i++) {
-        dif_field_file file;
-        snprintf(path, sizeof path, "%s/%s", folder, NAMES[i]);
-        assert_int_equal(dif_field_write(path, &field, NULL, &err), DIF_OK);
-        assert_int_equal(dif_field_read(path, NULL, &file, &err), DIF_OK);
-        assert_string_equal(file.format, NAMES[i] + 2);
-        for (int k = 0; k < 20; k++)
-            assert_near(file.field.z_um[k], field.z_um[k], 6.1e-8, 0.0); /* half a step of a float */
-        dif_field_file_free(&file);
-        remove(path);
-    }
-    assert_int_equal(dif_field_write("/no/such/place.exr", &field, NULL, &err), DIF_ERR_IO);
-    assert_string_equal(err.text, "/no/such/place.exr: cannot write: No such file or directory");
-    assert_int_equal(dif_field_write("a.png", &field, NULL, &err), DIF_ERR_ARG);
-    assert_string_equal(err.text, "a.png: heightfields are written as .exr or .gsf");
-    field.z_um[7] = NAN;
-    snprintf(path, sizeof path, "%s/b.exr", folder);
-    assert_int_equal(dif_field_write(path, &field, NULL, &err), DIF_ERR_NONFINITE);
-    assert_int_equal(rmdir(folder), 0); /* nothing was left in it */
-    dif_field_free(&field);
 }
 
 /* Files with facts stated beside them: text exports, matrices, the pictures of the sheds. */
@@ -185,7 +147,6 @@ int main(void)
         cmocka_unit_test(test_parse__requests_out_of_range_are_refused),
         cmocka_unit_test(test_parse__message_keeps_the_end_of_a_long_name),
         cmocka_unit_test(test_read__missing_file_and_directory),
-        cmocka_unit_test(test_write__by_extension_and_back),
         cmocka_unit_test(test_read__real_files_have_their_stated_size_and_scale),
         cmocka_unit_test(test_read__picture_and_text_of_one_surface_agree),
     };

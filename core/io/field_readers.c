@@ -55,8 +55,9 @@ dif_status dif_reader_find(const dif_source *source, const dif_reader **out, dif
         return dif_fail(err, DIF_ERR_FORMAT, "%s: empty file", source->name);
     for (size_t i = 0; i < sizeof UNREADABLE / sizeof *UNREADABLE; i++) {
         if (dif_source_has(source, 0, UNREADABLE[i].magic, strlen(UNREADABLE[i].magic)))
-            return dif_fail(err, DIF_ERR_UNSUPPORTED, "%s: %s; want EXR, PNG, TIFF, BMP, GSF or a text matrix",
-                            source->name, UNREADABLE[i].what);
+            return dif_fail(err, DIF_ERR_UNSUPPORTED,
+                            "%s: %s; want NanoScope, GWY, SDF, x3p, GSF, EXR, PNG, TIFF, BMP or text", source->name,
+                            UNREADABLE[i].what);
     }
     size_t i = 0;
     while (!READERS[i].is(source))

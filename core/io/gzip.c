@@ -23,17 +23,16 @@ static void give_heap(void *self, void *block)
 
 typedef struct unpacked {
     unsigned char *data; /* data[n_room], owned */
-    size_t n, n_room;
+    size_t n, n_room, n_max;
 } unpacked;
 
 static dif_status grow(const dif_source *source, unpacked *out, dif_error *err)
 {
-    if (out->n_room >= DIF_GZIP_OUT_MAX)
-        return dif_fail(err, DIF_ERR_SIZE, "%s: the gzip archive holds more than %d bytes", source->name,
-                        (int)DIF_GZIP_OUT_MAX);
+    if (out->n_room >= out->n_max)
+        return dif_fail(err, DIF_ERR_SIZE, "%s: the gzip archive holds more than %zu bytes", source->name, out->n_max);
     size_t n_room = out->n_room > 0 ? 2 * out->n_room : 4 * source->n;
     n_room = n_room < ROOM_MIN ? ROOM_MIN : n_room;
-    n_room = n_room > DIF_GZIP_OUT_MAX ? DIF_GZIP_OUT_MAX : n_room;
+    n_room = n_room > out->n_max ? out->n_max : n_room;
     unsigned char *data = dif_alloc(n_room, 1);
     if (!data)
         return dif_fail(err, DIF_ERR_NOMEM, "%s: %zu bytes of a gzip archive", source->name, n_room);
@@ -91,9 +90,9 @@ bool dif_gzip_is(const dif_source *source)
     return dif_source_has(source, 0, "\x1f\x8b", 2);
 }
 
-dif_status dif_gzip_unpack(const dif_source *source, unsigned char **data, size_t *n, dif_error *err)
+dif_status dif_gzip_unpack(const dif_source *source, size_t n_max, unsigned char **data, size_t *n, dif_error *err)
 {
-    unpacked out = {0};
+    unpacked out = {.n_max = n_max};
     z_stream stream = {.zalloc = take_heap, .zfree = give_heap};
     *data = NULL;
     *n = 0;
@@ -121,7 +120,7 @@ dif_status dif_gzip_open(dif_source *source, unsigned char **owned, dif_error *e
     if (!dif_gzip_is(source))
         return DIF_OK;
     size_t n = 0;
-    const dif_status status = dif_gzip_unpack(source, owned, &n, err);
+    const dif_status status = dif_gzip_unpack(source, DIF_GZIP_OUT_MAX, owned, &n, err);
     if (!status) {
         source->data = *owned;
         source->n = n;
