@@ -17,14 +17,16 @@ dif_cli_surface dif_cli_surface_default(void)
 void dif_cli_add_surface(dif_cli *cli, dif_cli_surface *surface)
 {
     const dif_opt opts[] = {
-        {"Surface (EXR, PNG, TIFF, BMP, GSF or a text matrix; only what the file does not say itself)", DIF_OPT_HEADING,
-         NULL, NULL, NULL, NULL, NULL},
+        {"Surface (NanoScope, GWY, GSF, SDF, x3p, EXR, PNG, TIFF, BMP, text; only what the file does not say)",
+         DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
         {"pixel-nm", DIF_OPT_REAL, &surface->pixel_nm, "(0, inf)", "NM", "distance of neighbouring samples", NULL},
         {"size-um", DIF_OPT_REAL, &surface->size_um, "(0, inf)", "UM", "or: extent along x", NULL},
         {"height-um", DIF_OPT_REAL, &surface->height_um, "(0, inf)", "UM", "height range of an image, black to white",
          NULL},
-        {"z-unit", DIF_OPT_TEXT, &surface->z_unit, NULL, "UNIT", "unit of a text's numbers: nm, um, m ...", NULL},
-        {"channel", DIF_OPT_TEXT, &surface->channel, NULL, "NAME", "channel of an EXR file", NULL},
+        {"z-unit", DIF_OPT_TEXT, &surface->z_unit, NULL, "UNIT",
+         "unit of the numbers of a text or of a channel in no length: nm, um, m ...", NULL},
+        {"channel", DIF_OPT_TEXT, &surface->channel, NULL, "NAME|N",
+         "of a file with several: its name, or its number as `info` lists it (default: the height channel)", NULL},
     };
     dif_cli_add(cli, opts, DIF_COUNT(opts));
 }

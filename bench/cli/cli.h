@@ -104,10 +104,15 @@ typedef struct dif_cli_input {
     dif_table table;       /* owned, if is_table           */
     dif_manifest manifest; /* owned, the table's own       */
     dif_field_file file;   /* owned, if not                */
+    dif_channels channels; /* owned, if they were asked for */
 } dif_cli_input;
 
 DIF_MUST_USE dif_status dif_cli_input_read(const dif_cli *cli, const char *path, const dif_cli_surface *surface,
                                            dif_cli_input *out, dif_error *err);
+
+/* The same, and lists the channels of what is no table; they are there even if reading fails. */
+DIF_MUST_USE dif_status dif_cli_input_read_listed(const dif_cli *cli, const char *path, const dif_cli_surface *surface,
+                                                  dif_cli_input *out, dif_error *err);
 void dif_cli_input_free(dif_cli_input *input);
 
 #endif

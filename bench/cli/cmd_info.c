@@ -10,10 +10,9 @@
 
 static const dif_cli_help HELP = {
     "SURFACE|TABLE",
-    "Tells what a surface is like (size, pitch, heights, slopes, main periods, quantisation), whether its pitch is "
-    "fine\n"
-    "enough for the shortest wavelength, how many planes or terms each accuracy needs, and where scalar theory stops\n"
-    "being trustworthy. Of a response table it tells axes, values and provenance.\n",
+    "Tells what a surface is like (channels, size, pitch, heights, slopes, main periods, quantisation), whether its\n"
+    "pitch is fine enough for the shortest wavelength, how many planes or terms each accuracy needs, and where scalar\n"
+    "theory stops being trustworthy. Of a response table it tells axes, values and provenance.\n",
     "  diffbench fixture sine --period-nm 1600 --height-nm 120 --size-um 40 --pixels 256 --out sine.exr\n"
     "  diffbench info sine.exr --lambda-nm 400:700:10\n",
 };
@@ -37,13 +36,15 @@ int dif_cmd_info(int argc, char **argv)
     if (code != DIF_CLI_GO)
         return code;
     dif_cli_use_threads(&cli);
-    dif_status status = dif_cli_input_read(&cli, cli.operand[0], &surface, &input, &err);
+    dif_status status = dif_cli_input_read_listed(&cli, cli.operand[0], &surface, &input, &err);
     code = DIF_EXIT_DONE;
     if (!status)
         status = input.is_table ? dif_info_table(&cli, &input, &err)
-                                : dif_info_surface(&cli, &input.file, lambda_nm.min, lambda_nm.max, &err);
-    if (status)
+                                : dif_info_surface(&cli, &input, lambda_nm.min, lambda_nm.max, &err);
+    if (status) {
+        dif_info_unread(&cli, &input);
         code = dif_cmd_fail(cli.verb, &err);
+    }
     dif_cli_input_free(&input);
     return code;
 }

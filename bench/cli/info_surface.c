@@ -28,6 +28,7 @@ typedef struct info_trust {
 typedef struct info_surface {
     const char *path, *fixture;
     const dif_field_file *file;
+    const dif_channels *channels;
     dif_field_stats stats;
     double range_um, lambda_min_nm, lambda_max_nm;
     double lambda_finest_nm;   /* shortest wavelength that the pitch serves at any angle */
@@ -82,11 +83,13 @@ static void judge(info_surface *info)
     }
 }
 
-static dif_status gather(const dif_cli *cli, const dif_field_file *file, info_surface *info, dif_error *err)
+static dif_status gather(const dif_cli *cli, const dif_cli_input *input, info_surface *info, dif_error *err)
 {
+    const dif_field_file *file = &input->file;
     const dif_field *field = &file->field;
     info->path = cli->operand[0];
     info->file = file;
+    info->channels = &input->channels;
     info->fixture = dif_cli_fixture_name(file);
     dif_status status = dif_field_stats_of(field, &info->stats, err);
     if (!status)
@@ -110,6 +113,8 @@ static void print_surface(const info_surface *info)
     const double slope_deg = dif_deg_from_rad(atan(stats->slope_max));
     printf("%s: %s%s%s%s\n", info->path, info->file->format, info->file->title[0] ? ", \"" : "", info->file->title,
            info->file->title[0] ? "\"" : "");
+    if (info->channels->n > 1)
+        dif_info_channels_print(info->channels, info->file->channel);
     printf("size       %d x %d samples, pitch %.6g x %.6g nm, %.6g x %.6g um\n", field->nx, field->ny,
            dif_nm_from_um(field->pitch_x_um), dif_nm_from_um(field->pitch_y_um), field->nx * field->pitch_x_um,
            field->ny * field->pitch_y_um);
@@ -188,6 +193,7 @@ static json_t *json_surface(const info_surface *info, const dif_manifest *manife
     json_t *object = json_pack("{s:s, s:s, s:s, s:i, s:i, s:f, s:f}", "kind", "surface", "format", info->file->format,
                                "title", info->file->title, "nx", field->nx, "ny", field->ny, "pitch_x_nm",
                                dif_nm_from_um(field->pitch_x_um), "pitch_y_nm", dif_nm_from_um(field->pitch_y_um));
+    json_object_set_new(object, "channels", dif_info_channels_json(info->channels, info->file->channel));
     json_object_set_new(object, "heights",
                         json_pack("{s:f, s:f, s:f, s:f, s:f, s:i}", "min_um", stats->min_um, "max_um", stats->max_um,
                                   "mean_um", stats->mean_um, "rms_um", stats->rms_um, "step_nm",
@@ -205,12 +211,12 @@ static json_t *json_surface(const info_surface *info, const dif_manifest *manife
     return json_lists(info, object);
 }
 
-dif_status dif_info_surface(const dif_cli *cli, const dif_field_file *file, double lambda_min_nm, double lambda_max_nm,
+dif_status dif_info_surface(const dif_cli *cli, const dif_cli_input *input, double lambda_min_nm, double lambda_max_nm,
                             dif_error *err)
 {
     info_surface info = {.lambda_min_nm = lambda_min_nm, .lambda_max_nm = lambda_max_nm};
     dif_manifest manifest = {0};
-    dif_status status = gather(cli, file, &info, err);
+    dif_status status = gather(cli, input, &info, err);
     if (!status && cli->json) {
         status = dif_cli_manifest(cli, cli->operand[0], &manifest, err);
         if (!status && dif_json_print(cli, json_surface(&info, &manifest)) != DIF_EXIT_DONE)

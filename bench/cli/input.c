@@ -98,8 +98,8 @@ dif_status dif_cli_surface_read(const dif_cli *cli, const char *path, const dif_
     return status;
 }
 
-dif_status dif_cli_input_read(const dif_cli *cli, const char *path, const dif_cli_surface *surface, dif_cli_input *out,
-                              dif_error *err)
+static dif_status input_read(const dif_cli *cli, const char *path, const dif_cli_surface *surface, bool wants_channels,
+                             dif_cli_input *out, dif_error *err)
 {
     unsigned char *data = NULL;
     size_t n = 0;
@@ -112,8 +112,22 @@ dif_status dif_cli_input_read(const dif_cli *cli, const char *path, const dif_cl
         status = dif_table_parse(data, n, path, &out->table, &out->manifest, err);
     else
         status = parse_surface(cli, path, data, n, surface, &out->file, err);
+    if (wants_channels && !out->is_table && dif_field_channels_parse(data, n, path, &out->channels, NULL) != DIF_OK)
+        dif_channels_free(&out->channels); /* then reading fails, too, and says why */
     dif_release(data);
     return status;
+}
+
+dif_status dif_cli_input_read(const dif_cli *cli, const char *path, const dif_cli_surface *surface, dif_cli_input *out,
+                              dif_error *err)
+{
+    return input_read(cli, path, surface, false, out, err);
+}
+
+dif_status dif_cli_input_read_listed(const dif_cli *cli, const char *path, const dif_cli_surface *surface,
+                                     dif_cli_input *out, dif_error *err)
+{
+    return input_read(cli, path, surface, true, out, err);
 }
 
 void dif_cli_input_free(dif_cli_input *input)
@@ -121,5 +135,6 @@ void dif_cli_input_free(dif_cli_input *input)
     dif_table_free(&input->table);
     dif_manifest_free(&input->manifest);
     dif_field_file_free(&input->file);
+    dif_channels_free(&input->channels);
     *input = (dif_cli_input){0};
 }

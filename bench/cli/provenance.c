@@ -24,6 +24,8 @@ dif_status dif_cli_manifest_surface(dif_manifest *manifest, const dif_field_file
     dif_status status = dif_field_stats_of(field, &stats, err);
     if (!status && file->title[0])
         status = dif_manifest_set(manifest, "surface_title", file->title, err);
+    if (!status && file->n_channel > 1)
+        status = dif_manifest_setf(manifest, err, "surface_channel", "%d of %d", file->channel, file->n_channel);
     if (status || (status = dif_manifest_set(manifest, "surface_format", file->format, err)) ||
         (status = dif_manifest_setf(manifest, err, "surface_samples", "%d x %d", field->nx, field->ny)) ||
         (status = dif_manifest_setf(manifest, err, "pitch_x_nm", "%.12g", dif_nm_from_um(field->pitch_x_um))) ||

@@ -47,14 +47,40 @@ dif_status dif_raw_allocate(const dif_source *source, long long nx, long long ny
     return DIF_OK;
 }
 
+/* Bytes of the well-formed UTF-8 character at text[n], 0 if there is none. */
+static size_t character_size(const char *text, size_t n)
+{
+    static const unsigned char LEADS[] = {0x00, 0xc2, 0xe0, 0xf0}, ENDS[] = {0x80, 0xe0, 0xf0, 0xf5};
+    const unsigned char *byte = (const unsigned char *)text;
+    for (size_t more = 0; more < 4 && more < n; more++) {
+        if (byte[0] < LEADS[more] || byte[0] >= ENDS[more])
+            continue;
+        for (size_t i = 1; i <= more; i++) {
+            if ((byte[i] & 0xc0u) != 0x80u)
+                return 0;
+        }
+        const bool overlong = (byte[0] == 0xe0u && byte[1] < 0xa0u) || (byte[0] == 0xf0u && byte[1] < 0x90u);
+        const bool no_code = (byte[0] == 0xedu && byte[1] > 0x9fu) || (byte[0] == 0xf4u && byte[1] > 0x8fu);
+        return overlong || no_code ? 0 : more + 1;
+    }
+    return 0;
+}
+
 void dif_text_copy(char *out, size_t size, const char *text, size_t n)
 {
-    size_t n_copy = n < size - 1 ? n : size - 1;
-    while (n_copy < n && n_copy > 0 && ((unsigned char)text[n_copy] & 0xc0u) == 0x80u)
-        n_copy--;
-    for (size_t i = 0; i < n_copy; i++)
-        out[i] = (unsigned char)text[i] < 0x20u || text[i] == 0x7f ? ' ' : text[i];
-    out[n_copy] = '\0';
+    size_t used = 0;
+    for (size_t i = 0; i < n;) {
+        const size_t n_byte = character_size(text + i, n - i);
+        if (used + (n_byte ? n_byte : 1) > size - 1)
+            break;
+        if (n_byte > 1)
+            memcpy(out + used, text + i, n_byte);
+        else
+            out[used] = n_byte == 0 ? '?' : (unsigned char)text[i] < 0x20u || text[i] == 0x7f ? ' ' : text[i];
+        used += n_byte ? n_byte : 1;
+        i += n_byte ? n_byte : 1;
+    }
+    out[used] = '\0';
 }
 
 void dif_raw_set_title(dif_raw *raw, const char *text, size_t n)

@@ -69,7 +69,8 @@ DIF_MUST_USE dif_status dif_reader_list(const dif_source *source, dif_channels *
 DIF_MUST_USE dif_status dif_channels_add(const dif_source *source, const dif_channel *channel, dif_channels *channels,
                                          dif_error *err);
 
-/* Copies at most size - 1 bytes of UTF-8 text, whole characters, control characters as blanks. */
+/* Copies at most size - 1 bytes of UTF-8 text: whole characters, control characters as blanks, bytes that are no UTF-8
+ * as '?'. */
 void dif_text_copy(char *out, size_t size, const char *text, size_t n);
 
 /* Readers: one a format; *raw is empty on failure. */
