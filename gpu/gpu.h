@@ -46,9 +46,10 @@ typedef enum dif_gpu_path {
 /* Deliberately wrong shaders: negative controls of the comparison. */
 typedef enum dif_gpu_fault {
     DIF_GPU_FAULT_NONE,
-    DIF_GPU_FAULT_PLANE, /* the last plane (lut: map) is not read        */
-    DIF_GPU_FAULT_SIGN,  /* one tap's imaginary part (lut: one map) has the wrong sign */
-    DIF_GPU_FAULT_TAP    /* one tap of the lateral kernel is not read    */
+    DIF_GPU_FAULT_PLANE, /* the middle plane is not read (lut: the second map; stam: orders across, and along twice)  */
+    DIF_GPU_FAULT_SIGN, /* the middle tap's imaginary part has the wrong sign (lut: the second map; stam: the place)  */
+    DIF_GPU_FAULT_TAP   /* the middle tap of the lateral kernel is not read (lut: half of the first map; stam: the
+                            order below, not the nearest)                                                            */
 } dif_gpu_fault;
 
 typedef struct dif_gpu_eval_opts {

@@ -242,7 +242,7 @@ vec3 dif_lut_colour(sampler2DArray maps, vec4 shape, vec2 more, vec3 uvw)
 #elif DIF_FAULT == DIF_FAULT_IS_SIGN
         q = n == 1 ? -q : q;
 #elif DIF_FAULT == DIF_FAULT_IS_TAP
-        q = n == 0 ? 0.99 * q : q;
+        q = n == 0 ? 0.5 * q : q;
 #endif
         vec3 here = q + (n == 0 ? t : 2.0 * t) * next - after;
         after = next;
