@@ -114,7 +114,7 @@ static void test_read__units(void **state)
     assert_parse_fails(file.data, file.n, NULL, DIF_ERR_SCALE, "has no height scale in it, give --z-unit");
     file = make("m", "A"); /* ampere, not Angstrom */
     assert_parse_fails(file.data, file.n, NULL, DIF_ERR_FORMAT,
-                       "no channel is known to hold heights: 1  (A); name one with --channel");
+                       "no channel is known to hold heights: 1 (A); name one with --channel");
     file = make("m", "nm");
     expect_field(&file, NULL, 1e-3, 1e-3, "", "lengths are taken in m, although the file names 'nm'");
     request.z_unit = "um";

@@ -115,8 +115,8 @@ static const char *describe(const dif_channels *channels, char text[120])
     for (int i = 0; i < channels->n; i++) {
         const dif_channel *channel = &channels->channel[i];
         char one[100];
-        const int n = snprintf(one, sizeof one, "%s%d %.40s (%s)", i ? ", " : "", i + 1, channel->name,
-                               channel->unit[0] ? channel->unit : "no unit");
+        const int n = snprintf(one, sizeof one, "%s%d%s%.40s (%s)", i ? ", " : "", i + 1, channel->name[0] ? " " : "",
+                               channel->name, channel->unit[0] ? channel->unit : "no unit");
         if (used + (size_t)n + 6 > 120) {
             memcpy(text + used, ", ...", 6);
             break;

@@ -31,11 +31,42 @@ static inline dif_status fuzz_field(const unsigned char *data, size_t n, const d
         FUZZ_PROMISE(strncmp(err.text, "input: ", 7) == 0);
         FUZZ_PROMISE(!file->field.z_um && file->field.nx == 0);
     } else {
-        FUZZ_PROMISE(dif_field_check(&file->field, &err_check) == DIF_OK);
+        const dif_status check = dif_field_check(&file->field, &err_check);
+        FUZZ_PROMISE(check == DIF_OK || (check == DIF_ERR_NONFINITE && request && request->allow_missing));
         FUZZ_PROMISE(memchr(file->title, '\0', sizeof file->title) &&
                      memchr(file->warning, '\0', sizeof file->warning));
     }
     return status;
+}
+
+/* Lists the channels and reads the first few, each of which must be as listed, and hold a sample for every so many bytes
+ * of the file at most. */
+static inline void fuzz_channels(const unsigned char *data, size_t n, const dif_field_request *request, size_t bytes)
+{
+    dif_channels channels;
+    dif_error err = {0};
+    const dif_status status = dif_field_channels_parse(data, n, "input", &channels, &err);
+    FUZZ_PROMISE(status ? strncmp(err.text, "input: ", 7) == 0 && !channels.channel : channels.n > 0);
+    FUZZ_PROMISE(status || (channels.preferred >= -1 && channels.preferred < channels.n));
+    for (int i = 0; i < channels.n && i < 4; i++) {
+        const dif_channel *channel = &channels.channel[i];
+        dif_field_request numbered = *request;
+        dif_field_file file;
+        char number[16];
+        int index = -1;
+        FUZZ_PROMISE(memchr(channel->name, '\0', sizeof channel->name) &&
+                     memchr(channel->unit, '\0', sizeof channel->unit));
+        snprintf(number, sizeof number, "%d", i + 1);
+        numbered.channel = number;
+        if (dif_channels_find(&channels, number, &index, NULL) == DIF_OK && index == i &&
+            fuzz_field(data, n, &numbered, &file) == DIF_OK) {
+            FUZZ_PROMISE(file.channel == i + 1 && file.n_channel == channels.n);
+            FUZZ_PROMISE(file.field.nx == channel->nx && file.field.ny <= channel->ny);
+            FUZZ_PROMISE(dif_field_n(&file.field) <= n / bytes);
+            dif_field_file_free(&file);
+        }
+    }
+    dif_channels_free(&channels);
 }
 
 /* Everything a file may leave unsaid, or nothing, by a bit of the input. */
@@ -50,6 +81,7 @@ static inline dif_field_request fuzz_request(int bits)
         request.height_um = 0.3;
     if (bits & 8)
         request.z_unit = "nm";
+    request.allow_missing = bits & 16;
     return request;
 }
 

@@ -12,6 +12,9 @@
 #include "core/io/table_impl.h"
 #include "core/units.h"
 #include "tests/exr_sample.h"
+#include "tests/gwy_sample.h"
+#include "tests/gzip_sample.h"
+#include "tests/x3p_sample.h"
 
 static const char *root;
 
@@ -103,6 +106,87 @@ static void save_table(void)
     dif_plan_free(&plan);
 }
 
+static void save_gwy(void)
+{
+    gwy_file file;
+    gwy_full(&file);
+    save("gwy", 0, 0, file.data, file.n, 4);
+    size_t at = gwy_begin(&file, "GWYP");
+    gwy_key(&file, "/0/data", 'o');
+    gwy_field_object(&file, 1e-9, NULL, "nm");
+    gwy_close(&file, at);
+    save("gwy", 1, 9, file.data, file.n, 4);
+    at = gwy_begin(&file, "GWYO");
+    gwy_key_v1(&file, 80, "/0/data");
+    gwy_field_object(&file, 1e-9, "m", "m");
+    gwy_key_v1(&file, 64, "/0/data/title");
+    gwy_bytes(&file, "Old", 4);
+    gwy_close(&file, at);
+    save("gwy", 2, 16, file.data, file.n, 4);
+}
+
+/* Binary and text; the first byte chooses the magic, which the target puts. */
+static void save_sdf(void)
+{
+    static const char TEXT[] =
+        "\nManufacID = x\nNumPoints = 2\nNumProfiles = 2\nXscale = 1E-6\nYscale = 1e-6\nZscale = 1e-9\n"
+        "Zresolution = -1\nCompression = 0\nDataType = 7\nCheckType = 0\n; remark\n*\n1 2.5\nBAD 4\n*\n< A > b < / A "
+        ">\n*";
+    static const unsigned char SIZES[] = {1, 2, 4, 4, 1, 2, 4, 8};
+    const double scales[4] = {1e-6, 2e-6, 1e-9, -1.0};
+    for (int type = 0; type < 8; type++) {
+        unsigned char file[81 + 32] = {0};
+        memset(file + 8, '1', 34);
+        file[42] = file[44] = 2;
+        memcpy(file + 46, scales, sizeof scales);
+        file[79] = (unsigned char)type;
+        for (int i = 0; i < 4; i++)
+            file[81 + i * SIZES[type]] = (unsigned char)i;
+        save("sdf", type, type % 2 << 4, file, 81 + 4 * (size_t)SIZES[type], 8);
+    }
+    save("sdf", 8, 2 << 4, TEXT, sizeof TEXT - 1, 0);
+    save("sdf", 9, 3 << 4 | 9, TEXT, sizeof TEXT - 1, 0);
+}
+
+static void save_x3p(void)
+{
+    static const char BITMAP[] =
+        "<DataLink><PointDataLink>d</PointDataLink><ValidPointsLink>d</ValidPointsLink>"
+        "<MD5ChecksumPointData>d41d8cd98f00b204e9800998ecf8427e</MD5ChecksumPointData></DataLink>";
+    static const char *const TYPES[] = {"I", "L", "F", "D"};
+    static const size_t SIZES[] = {2, 4, 4, 8};
+    char file[X3P_XML + 64] = "";
+    for (int i = 0; i < 6; i++) {
+        x3p_head head = x3p_head_make();
+        head.type = TYPES[i % 4];
+        head.data = i == 4   ? "<DataList><Datum>1;2;3</Datum><Datum/><Datum>4</Datum></DataList>"
+                    : i == 5 ? BITMAP
+                             : "<DataLink><PointDataLink>d</PointDataLink></DataLink>";
+        head.size = i == 4 ? "<SizeX>3</SizeX><SizeY>1</SizeY>" : "<SizeX>3</SizeX><SizeY>2</SizeY><SizeZ>1</SizeZ>";
+        head.z_scale = i % 2 ? "<Increment>1e-9</Increment><Offset>1e-6</Offset>" : "";
+        const size_t n = (size_t)x3p_xml(&head, file) + 1;
+        memset(file + n, i, 48);
+        save("x3p", i, 16 + 9 * (i == 2), file, n + 6 * SIZES[i % 4], 0);
+    }
+    const x3p_head head = x3p_head_make();
+    const x3p_file points[] = {{"bindata/data.bin", X3P_SIX, sizeof X3P_SIX}, {0}};
+    const zip_bytes whole = x3p_make(&head, points), inside = x3p_make_in("a/", &head, points);
+    save("x3p", 6, 128, whole.data, whole.n, 4);
+    save("x3p", 7, 128 | 32, inside.data, inside.n, 4);
+    free(whole.data);
+    free(inside.data);
+}
+
+static void save_gzip(void)
+{
+    unsigned char packed[1000];
+    size_t n = gzip_sample("1 2\n3 4\n", 8, packed, sizeof packed);
+    save("gzip", 0, 1, packed, n, 0);
+    save("text", 20, 9, packed, n, 0);
+    n += gzip_sample("aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa", 35, packed + n, sizeof packed - n);
+    save("gzip", 1, 0, packed, n, 0);
+}
+
 typedef struct seed {
     int options;
     const char *text;
@@ -137,6 +221,25 @@ int main(int argc, char **argv)
         {1, "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,lambda_nm\n60,0,30,180,550\n0,0,89.9,10,400\n"},
         {1, "Lambda_nm\ttheta_r_deg\ttheta_i_deg\r\n550\t30\t60\r\n"},
     };
+    /* behind the magic line; the samples follow at once, the bytes that the offsets name */
+    static const seed NANOSCOPE[] = {
+        {0, "\\Version: 0x07200000\r\n\\*Scanner list\r\n\\@Sens. Zsens: V 20.5 nm/V\r\n\\*Ciao scan list\r\n"
+            "\\Lines: 2\r\n\\@Sens. Phase: V 1.0 \r\n"
+            "\\*Ciao image list\r\n\\Data offset: 500\r\n\\Data length: 8\r\n\\Bytes/pixel: 2\r\n\\Samps/line: 2\r\n"
+            "\\Number of lines: 2\r\n\\Aspect Ratio: 2:1\r\n\\Scan Size: 3 2 ~m\r\n"
+            "\\@2:Image Data: S [Height] \"Height\"\r\n\\@2:Z scale: V [Sens. Zsens] (0.5 V/LSB) 10.0 V\r\n"
+            "\\*File list end\r\n................................................................................"
+            "................................................................................................"},
+        {9, "\\Version: 0x09700105\r\n\\*Image list\r\n\\Data offset: 230\r\n\\Data length: 32\r\n\\Bytes/pixel: 4\r\n"
+            "\\Samps/line: 2\r\n\\Number of lines: 8\r\n\\Valid data len Y: 4\r\n\\Scan size: 0 nm\r\n"
+            "\\@2:Z scale: V (0.0055 \xba/LSB) 360 \xba\r\n\\*File list end\r\n"
+            "............................................................................................"},
+        {9,
+         "\\*Controller list\r\n\\Z max: 4\r\n\\*Microscope list\r\n\\Z sensitivity: 7\r\n\\*AFM image list\r\n"
+         "\\Data offset: 300\r\n\\Data length: 8\r\n\\Samps/line: 2\r\n\\Number of lines: 2\r\n\\Scan size: 300 nm\r\n"
+         "\\Image data: Height\r\n\\Z scale height: 0.5\r\n\\*File list end\r\n"
+         "............................................................................................"},
+    };
     if (argc != 2) {
         fprintf(stderr, "usage: make_corpus FOLDER\n");
         return 2;
@@ -146,6 +249,11 @@ int main(int argc, char **argv)
     save_fields();
     save_exr_samples();
     save_table();
+    save_gwy();
+    save_texts("nanoscope", NANOSCOPE, sizeof NANOSCOPE / sizeof *NANOSCOPE);
+    save_sdf();
+    save_x3p();
+    save_gzip();
     save_texts("text", TEXT, sizeof TEXT / sizeof *TEXT);
     save_texts("csv", CSV, sizeof CSV / sizeof *CSV);
     save("text", (int)(sizeof TEXT / sizeof *TEXT), 9,
