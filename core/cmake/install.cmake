@@ -3,14 +3,14 @@
 # Every header of core, core/io, fixtures, gpu and bench is public or internal; tests/audit holds this list to the tree.
 set(DIF_PUBLIC_HEADERS
     core/alloc.h core/brdf.h core/colour.h core/conventions.h core/direct.h core/domain.h core/fft.h core/field.h core/footprint.h
-    core/evaluator.h core/fresnel.h core/grating.h core/hemisphere.h core/kernel.h core/lut.h core/model.h core/nmm.h core/plan.h core/pyramid.h core/replica.h core/response.h
-    core/series.h core/shadow.h core/sheet.h core/slope.h core/spectrum.h core/stam.h core/status.h core/thesis.h core/transfer.h core/units.h core/vec.h
+    core/evaluator.h core/fresnel.h core/grating.h core/hemisphere.h core/kernel.h core/lut.h core/mesh.h core/model.h core/nmm.h core/plan.h core/pyramid.h core/replica.h core/response.h
+    core/raster.h core/scene.h core/series.h core/shade.h core/shadow.h core/sheet.h core/slope.h core/spectrum.h core/stam.h core/status.h core/thesis.h core/transfer.h core/units.h core/vec.h
     core/window.h
-    core/io/directions.h core/io/field_io.h core/io/file.h core/io/image_cv.h core/io/lut_io.h core/io/manifest.h
-    core/io/map_io.h core/io/table_io.h
-    fixtures/surfaces.h
+    core/io/directions.h core/io/field_io.h core/io/file.h core/io/frame_io.h core/io/image_cv.h core/io/lut_io.h core/io/manifest.h
+    core/io/map_io.h core/io/obj_tiny.h core/io/table_io.h
+    fixtures/meshes.h fixtures/surfaces.h
     gpu/gpu.h
-    bench/compare_methods.h bench/energy.h bench/fit.h bench/lut_check.h bench/map.h bench/maxima.h bench/measure.h bench/model_build.h
+    bench/compare_methods.h bench/energy.h bench/fit.h bench/lut_check.h bench/map.h bench/maxima.h bench/measure.h bench/model_build.h bench/regress.h
     bench/scan.h)
 
 add_library(dif_shared SHARED $<TARGET_OBJECTS:dif_core> $<TARGET_OBJECTS:dif_io> $<TARGET_OBJECTS:dif_fixtures>
@@ -19,7 +19,7 @@ set_target_properties(dif_shared PROPERTIES OUTPUT_NAME diffbench VERSION ${PROJ
                       SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} LINKER_LANGUAGE CXX
                       LINK_DEPENDS ${CMAKE_SOURCE_DIR}/core/cmake/exports.map)
 target_link_libraries(dif_shared PRIVATE dif_flags m OpenMP::OpenMP_C OpenEXR::OpenEXRCore opencv_core opencv_imgproc
-                      opencv_imgcodecs PkgConfig::ZIP PkgConfig::EXPAT PkgConfig::ZLIB Ceres::ceres PkgConfig::EPOXY ${CMAKE_DL_LIBS})
+                      opencv_imgcodecs PkgConfig::ZIP PkgConfig::EXPAT PkgConfig::ZLIB tinyobjloader::tinyobjloader_double Ceres::ceres PkgConfig::EPOXY ${CMAKE_DL_LIBS})
 target_link_options(dif_shared PRIVATE LINKER:--version-script=${CMAKE_SOURCE_DIR}/core/cmake/exports.map)
 if(NOT DIF_SANITIZE)
     target_link_options(dif_shared PRIVATE LINKER:--no-undefined)
