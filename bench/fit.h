@@ -75,8 +75,25 @@ DIF_MUST_USE dif_status dif_fit_table(const dif_table *table, const dif_fit_tabl
 typedef struct dif_fit_surface_opts {
     int n_harmonic;         /* 1 ... DIF_FIT_HARMONIC_MAX, or 0 = the criterion decides     */
     double period_start_um; /* or NaN to take it from the power spectrum                    */
-    int n_part;             /* bands of the scan, >= 2                                      */
+    int n_part;             /* bands of the scan, 2 ... DIF_FIT_BAND_MAX                    */
+    double psi_start_rad;   /* direction to start from (modulo pi), or NaN for any          */
 } dif_fit_surface_opts;
+
+enum { DIF_FIT_BAND_MAX = 100 };
+
+/* One band of lines: its middle along the slow axis and the period that it has by itself. */
+typedef struct dif_fit_band {
+    double y_um, period_um, period_sd_um; /* the error is that of the covariance */
+} dif_fit_band;
+
+/* How the period changes along y, the slow axis of a scan: a straight line through the bands' periods. */
+typedef struct dif_fit_drift {
+    int n_band;
+    dif_fit_band band[DIF_FIT_BAND_MAX];
+    double slope, slope_sd; /* change of the period per um of y, um/um; NaN for fewer than 3 bands    */
+    double share;           /* change over the patch's height, relative to the period                 */
+    bool is_significant;    /* the slope differs from 0 at a level of 1 % (Student's t)                */
+} dif_fit_drift;
 
 dif_fit_surface_opts dif_fit_surface_opts_default(void);
 
@@ -91,6 +108,7 @@ typedef struct dif_fit_surface_result {
     int n_harmonic, n_part, n_iteration;
     double amplitude_um[DIF_FIT_HARMONIC_MAX]; /* of harmonic 1 ... n_harmonic     */
     double residual_rms_um, residual_share;    /* recomputed outside the solver    */
+    dif_fit_drift drift;
     char note[160];
 } dif_fit_surface_result;
 

@@ -10,13 +10,13 @@
 #include <string.h>
 
 #include "bench/fit.h"
+#include "bench/fit_bands.h"
 #include "bench/fit_spectrum.h"
 #include "bench/fit_wave.h"
 #include "core/units.h"
 
 enum {
     ROWS_MAX = 120000,      /* samples of the whole fit                                     */
-    ROWS_BAND = 40000,      /* samples of one band                                          */
     ROWS_CRITERION = 20000, /* samples when the number of harmonics is being found          */
     PARTS = 8
 };
@@ -27,7 +27,8 @@ enum {
 
 dif_fit_surface_opts dif_fit_surface_opts_default(void)
 {
-    return (dif_fit_surface_opts){.n_harmonic = 0, .period_start_um = (double)NAN, .n_part = PARTS};
+    return (dif_fit_surface_opts){
+        .n_harmonic = 0, .period_start_um = (double)NAN, .n_part = PARTS, .psi_start_rad = (double)NAN};
 }
 
 static void whole_field(const dif_field *field, int rect[4])
@@ -78,55 +79,11 @@ static dif_status find_harmonics(const dif_field *field, double psi_rad, double 
     return status;
 }
 
-/* Rectangle of band i: bands follow the slow axis (y) unless the wave runs along it. */
-static void band_rect(const dif_field *field, double psi_rad, int n_part, int i, int rect[4])
-{
-    whole_field(field, rect);
-    const bool by_rows = fabs(cos(psi_rad)) >= fabs(sin(psi_rad));
-    const int n = by_rows ? field->ny : field->nx, at = by_rows ? 2 : 0;
-    rect[at] = (int)((long long)n * i / n_part);
-    rect[at + 1] = (int)((long long)n * (i + 1) / n_part);
-}
-
-/* Periods of the bands, the direction held; their standard deviation and the mean's standard error. */
-static dif_status fit_bands(const dif_field *field, double psi_rad, double f, int n_harmonic, int n_part,
-                            dif_fit_surface_result *out, dif_error *err)
-{
-    double sum = 0.0, sum2 = 0.0;
-    int n = 0;
-    for (int i = 0; i < n_part; i++) {
-        int rect[4];
-        dif_wave_data data = {0};
-        dif_wave_fit fit;
-        dif_error detail;
-        band_rect(field, psi_rad, n_part, i, rect);
-        if (rect[1] - rect[0] < 2 || rect[3] - rect[2] < 2)
-            continue;
-        dif_status status = dif_wave_data_make(field, rect, psi_rad, ROWS_BAND, &data, &detail);
-        data.n_harmonic = n_harmonic;
-        if (status == DIF_OK)
-            status = dif_wave_fit_solve(&data, f, 0.0, &fit, &detail);
-        dif_wave_data_free(&data);
-        if (status == DIF_ERR_FIT)
-            continue;
-        if (status != DIF_OK)
-            return dif_fail(err, status, "%s", detail.text);
-        const double period_um = 1.0 / fit.f_along, off = period_um - out->period_um;
-        sum += off;
-        sum2 += off * off;
-        n++;
-    }
-    out->n_part = n;
-    if (n < 2)
-        return dif_fail(err, DIF_ERR_FIT, "fewer than two of %d bands determine a period: no scatter to state", n_part);
-    out->band_sd_um = sqrt(fmax(sum2 - sum * sum / n, 0.0) / (n - 1));
-    out->period_scatter_um = out->band_sd_um / sqrt((double)n);
-    return DIF_OK;
-}
-
 /* Start wave: direction and frequency of the strongest peak, or of the strongest one near the wanted period. */
-static dif_status find_start(const dif_field *field, double period_start_um, double *psi_rad, double *f, dif_error *err)
+static dif_status find_start(const dif_field *field, const dif_fit_surface_opts *opts, double *psi_rad, double *f,
+                             dif_error *err)
 {
+    const double period_start_um = opts->period_start_um;
     dif_spectrum_wave wave[16];
     int n;
     const dif_status status = dif_fit_spectrum_waves(field, 16, wave, &n, err);
@@ -135,7 +92,9 @@ static dif_status find_start(const dif_field *field, double period_start_um, dou
     int chosen = -1;
     for (int i = 0; i < n && chosen < 0; i++) {
         const double period_um = 1.0 / hypot(wave[i].fx_per_um, wave[i].fy_per_um);
-        if (isnan(period_start_um) || fabs(log(period_um / period_start_um)) < 0.2)
+        const double off_rad = atan2(wave[i].fy_per_um, wave[i].fx_per_um) - opts->psi_start_rad;
+        if ((isnan(period_start_um) || fabs(log(period_um / period_start_um)) < 0.2) &&
+            (isnan(off_rad) || fabs(sin(off_rad)) < 0.2))
             chosen = i;
     }
     if (chosen < 0)
@@ -154,10 +113,12 @@ static dif_status check(const dif_field *field, const dif_fit_surface_opts *opts
     if (!(opts->n_harmonic >= 0 && opts->n_harmonic <= DIF_FIT_HARMONIC_MAX))
         return dif_fail(err, DIF_ERR_ARG, "%d harmonics, want 1 ... %d or 0 to let the data decide", opts->n_harmonic,
                         DIF_FIT_HARMONIC_MAX);
-    if (!(opts->n_part >= 2 && opts->n_part <= 1000))
-        return dif_fail(err, DIF_ERR_ARG, "%d parts, want 2 ... 1000", opts->n_part);
+    if (!(opts->n_part >= 2 && opts->n_part <= DIF_FIT_BAND_MAX))
+        return dif_fail(err, DIF_ERR_ARG, "%d parts, want 2 ... %d", opts->n_part, DIF_FIT_BAND_MAX);
     if (!isnan(opts->period_start_um) && !(opts->period_start_um > 0.0 && opts->period_start_um < 1e9))
         return dif_fail(err, DIF_ERR_ARG, "start period %g um, want > 0", opts->period_start_um);
+    if (!isnan(opts->psi_start_rad) && !(fabs(opts->psi_start_rad) < 1e6))
+        return dif_fail(err, DIF_ERR_ARG, "start direction %g rad, want a finite angle", opts->psi_start_rad);
     return DIF_OK;
 }
 
@@ -231,7 +192,7 @@ dif_status dif_fit_surface(const dif_field *field, const dif_fit_surface_opts *o
     *out = (dif_fit_surface_result){0};
     dif_status status = check(field, o, err);
     if (status == DIF_OK)
-        status = find_start(field, o->period_start_um, &psi_rad, &f, err);
+        status = find_start(field, o, &psi_rad, &f, err);
     if (status == DIF_OK)
         status = refine(field, psi_rad, &f, err);
     const double extent_um =
@@ -247,7 +208,7 @@ dif_status dif_fit_surface(const dif_field *field, const dif_fit_surface_opts *o
     if (status == DIF_OK)
         status = fit_whole(field, psi_rad, &f, n_harmonic, out, err);
     if (status == DIF_OK)
-        status = fit_bands(field, out->psi_rad, f, n_harmonic, o->n_part, out, err);
+        status = dif_fit_bands(field, f, o->n_part, out, err);
     if (status != DIF_OK) {
         *out = (dif_fit_surface_result){0};
         return status;

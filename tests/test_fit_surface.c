@@ -149,7 +149,7 @@ static void test_surface__what_is_no_grating_is_refused(void **state)
     opts = dif_fit_surface_opts_default();
     opts.n_part = 1;
     assert_int_equal(dif_fit_surface(&field, &opts, &r, &err), DIF_ERR_ARG);
-    assert_string_equal(err.text, "1 parts, want 2 ... 1000");
+    assert_string_equal(err.text, "1 parts, want 2 ... 100");
     opts = dif_fit_surface_opts_default();
     opts.n_harmonic = 33;
     assert_int_equal(dif_fit_surface(&field, &opts, &r, &err), DIF_ERR_ARG);

@@ -7,6 +7,7 @@
 
 #include "bench/cli/cmd.h"
 #include "bench/cli/options.h"
+#include "bench/cli/prep.h"
 #include "bench/cli/progress.h"
 #include "bench/measure.h"
 #include "core/io/field_io.h"
@@ -19,13 +20,16 @@
 typedef struct dif_cli_surface {
     double pixel_nm, size_um, height_um;
     const char *z_unit, *channel;
+    dif_cli_prep prep; /* what is done to the heights before anything else */
 } dif_cli_surface;
 
 dif_cli_surface dif_cli_surface_default(void);
 void dif_cli_add_surface(dif_cli *cli, dif_cli_surface *surface);
 dif_field_request dif_cli_surface_request(const dif_cli_surface *surface);
 
-/* Reads a surface and passes its warning on. Status as dif_field_read, and DIF_ERR_SIZE for less than 2 x 2 samples. */
+/* Reads a surface, passes its warning on and prepares it as the user said; says so, and what each step did, and hints at
+ * heights that were not levelled. Status as dif_field_read and of the steps, and DIF_ERR_SIZE for less than 2 x 2
+ * samples. */
 DIF_MUST_USE dif_status dif_cli_surface_read(const dif_cli *cli, const char *path, const dif_cli_surface *surface,
                                              dif_field_file *out, dif_error *err);
 

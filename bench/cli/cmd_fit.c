@@ -17,6 +17,7 @@ static const dif_cli_help HELP = {
     "A period has two standard errors, from the fit's covariance and from the scatter over disjoint parts of the "
     "data;\n"
     "the larger one is stated. A fit that is not believed says why and exits 1; it never prints a period.\n"
+    "Of a surface it also tells how the period drifts along the slow scan axis, y.\n"
     "What a table of `diffbench table` says of its window, patch and index is used unless flags say otherwise.\n",
     "  diffbench fixture blazed --pixels 512 --out blazed.gsf\n"
     "  diffbench table blazed.gsf --theta-i-deg 75 --angle-deg -55:-40:0.05 --lambda-nm 380:780:10 --out blazed.csv\n"
@@ -207,6 +208,8 @@ static int execute(const dif_cli *cli, const fit_args *args)
     status = input.is_table ? fit_table(cli, args, &input, &table, &err) : fit_surface(args, &input, &surface, &err);
     if (!status)
         status = dif_cli_manifest(cli, cli->operand[0], &manifest, &err);
+    if (!status && !input.is_table)
+        status = dif_cli_manifest_surface(&manifest, &input.file, &err);
     const bool is_common = has_common_period(args, &input.manifest);
     if (status)
         code = fail_named(cli, args, &input, &err);

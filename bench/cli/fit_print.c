@@ -55,6 +55,21 @@ static double printed_azimuth_deg(double psi_rad)
     return deg >= 179.99995 ? 0.0 : deg;
 }
 
+/* How the period changes along the slow axis: the line, and the bands that it goes through. */
+static void print_drift(const dif_fit_drift *drift, double period_um)
+{
+    if (!isfinite(drift->slope)) {
+        printf("drift      not determined: %d bands along y\n", drift->n_band);
+        return;
+    }
+    printf("drift      %+.3g +- %.2g nm per um of y, %+.2g %% over the scan: %s\n", dif_nm_from_um(drift->slope),
+           dif_nm_from_um(drift->slope_sd), 100.0 * drift->share,
+           drift->is_significant ? "SIGNIFICANT (1 %), no single period" : "not significant (1 %)");
+    for (int i = 0; i < drift->n_band; i++)
+        printf("%s y %+9.4g um  %+.3g nm\n", i ? "          " : "bands     ", drift->band[i].y_um,
+               dif_nm_from_um(drift->band[i].period_um - period_um));
+}
+
 void dif_fit_surface_print(const dif_fit_surface_result *r)
 {
     printf("period     ");
@@ -66,6 +81,7 @@ void dif_fit_surface_print(const dif_fit_surface_result *r)
            dif_nm_from_um(r->period_sd_um), r->n_part, dif_nm_from_um(r->period_scatter_um),
            dif_nm_from_um(r->period_profile_um), dif_nm_from_um(r->band_sd_um), printed_azimuth_deg(r->psi_rad),
            dif_deg_from_rad(r->psi_sd_rad));
+    print_drift(&r->drift, r->period_um);
     printf("harmonics ");
     for (int i = 0; i < r->n_harmonic; i++)
         printf(" %.4g", dif_nm_from_um(r->amplitude_um[i]));
@@ -121,6 +137,23 @@ json_t *dif_fit_table_json(const dif_fit_result *r, bool is_common, const dif_ma
     return object;
 }
 
+static json_t *json_drift(const dif_fit_drift *drift)
+{
+    json_t *object = json_pack("{s:b}", "significant", drift->is_significant), *bands = json_array();
+    set_number(object, "slope_nm_per_um", dif_nm_from_um(drift->slope));
+    set_number(object, "slope_sd_nm_per_um", dif_nm_from_um(drift->slope_sd));
+    set_number(object, "share", drift->share);
+    for (int i = 0; i < drift->n_band; i++) {
+        json_t *band = json_object();
+        set_number(band, "y_um", drift->band[i].y_um);
+        set_number(band, "period_nm", dif_nm_from_um(drift->band[i].period_um));
+        set_number(band, "period_sd_nm", dif_nm_from_um(drift->band[i].period_sd_um));
+        json_array_append_new(bands, band);
+    }
+    json_object_set_new(object, "bands", bands);
+    return object;
+}
+
 json_t *dif_fit_surface_json(const dif_fit_surface_result *r, const dif_manifest *manifest)
 {
     json_t *object = json_pack("{s:s}", "kind", "surface"), *harmonics = json_array();
@@ -133,6 +166,7 @@ json_t *dif_fit_surface_json(const dif_fit_surface_result *r, const dif_manifest
     for (int i = 0; i < r->n_harmonic; i++)
         json_array_append_new(harmonics, dif_json_number(dif_nm_from_um(r->amplitude_um[i])));
     json_object_set_new(object, "amplitude_nm", harmonics);
+    json_object_set_new(object, "drift", json_drift(&r->drift));
     set_number(object, "residual_rms_nm", dif_nm_from_um(r->residual_rms_um));
     set_number(object, "residual_share", r->residual_share);
     json_object_set_new(object, "n_iteration", json_integer(r->n_iteration));

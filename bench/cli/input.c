@@ -70,7 +70,7 @@ static dif_status parse_surface(const dif_cli *cli, const char *path, const unsi
 {
     const dif_field_request request = dif_cli_surface_request(surface);
     dif_surface_kind kind;
-    const dif_status status = dif_field_parse(data, n, path, &request, out, err);
+    dif_status status = dif_field_parse(data, n, path, &request, out, err);
     if (status)
         return status;
     const int nx = out->field.nx, ny = out->field.ny;
@@ -82,7 +82,10 @@ static dif_status parse_surface(const dif_cli *cli, const char *path, const unsi
         snprintf(out->title, sizeof out->title, "diffbench fixture %s", dif_surface_kind_name(kind));
     if (out->warning[0])
         dif_cli_say(cli, "%s", out->warning);
-    return DIF_OK;
+    status = dif_cli_prep_apply(cli, path, surface, out, err);
+    if (status)
+        dif_field_file_free(out);
+    return status;
 }
 
 dif_status dif_cli_surface_read(const dif_cli *cli, const char *path, const dif_cli_surface *surface,

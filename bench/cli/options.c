@@ -124,6 +124,29 @@ static int set_choice(const dif_cli *cli, const dif_opt *opt, const char *text)
     return bad_value(cli, opt, text);
 }
 
+static int add_text(const dif_cli *cli, const dif_opt *opt, const char *text)
+{
+    dif_opt_list *list = opt->target;
+    if (*text == '\0')
+        return dif_cmd_usage(cli->verb, "--%s: empty, expected %s", opt->name, opt->value);
+    if (list->n == DIF_OPT_LIST_MAX)
+        return dif_cmd_usage(cli->verb, "--%s: given more than %d times", opt->name, DIF_OPT_LIST_MAX);
+    list->text[list->n++] = text;
+    return DIF_CLI_GO;
+}
+
+static int take_step(const dif_cli *cli, const dif_opt *opt, const char *text)
+{
+    const dif_opt_sink *sink = opt->target;
+    dif_error err;
+    if (text && *text == '\0')
+        return dif_cmd_usage(cli->verb, "--%s: empty, expected %s", opt->name, opt->value);
+    if (sink->take(sink->self, opt->name, text, &err))
+        return dif_cmd_usage(cli->verb, "--%s%s%s%s: %s", opt->name, text ? " '" : "", text ? text : "", text ? "'" : "",
+                             err.text);
+    return DIF_CLI_GO;
+}
+
 static int set_option(const dif_cli *cli, const dif_opt *opt, const char *text)
 {
     if (opt->given)
@@ -137,6 +160,10 @@ static int set_option(const dif_cli *cli, const dif_opt *opt, const char *text)
             return dif_cmd_usage(cli->verb, "--%s: empty, expected %s", opt->name, opt->value);
         *(const char **)opt->target = text;
         return DIF_CLI_GO;
+    case DIF_OPT_LIST:
+        return add_text(cli, opt, text);
+    case DIF_OPT_STEP:
+        return take_step(cli, opt, text);
     case DIF_OPT_REAL:
         return set_real(cli, opt, text);
     case DIF_OPT_INT:
@@ -184,15 +211,22 @@ static bool is_spelled_out(const char *word, const char *name)
            (word[2 + n] == '\0' || word[2 + n] == '=');
 }
 
+/* Whether a value follows: by the kind, and for steps by how the help calls it. */
+static int wants_value(const dif_opt *opt)
+{
+    if (opt->kind == DIF_OPT_FLAG || (opt->kind == DIF_OPT_STEP && !opt->value))
+        return no_argument;
+    return opt->kind == DIF_OPT_STEP && opt->value[0] == '[' ? optional_argument : required_argument;
+}
+
 static void long_options(const dif_cli *cli, struct option longs[DIF_OPT_MAX + 1], int which[DIF_OPT_MAX])
 {
     int n = 0;
     for (int i = 0; i < cli->n_opt; i++) {
         if (cli->opt[i].kind == DIF_OPT_HEADING)
             continue;
-        const int has_value = cli->opt[i].kind == DIF_OPT_FLAG ? no_argument : required_argument;
         which[n] = i;
-        longs[n++] = (struct option){cli->opt[i].name, has_value, NULL, 2};
+        longs[n++] = (struct option){cli->opt[i].name, wants_value(&cli->opt[i]), NULL, 2};
     }
     longs[n] = (struct option){NULL, 0, NULL, 0};
 }
@@ -292,7 +326,7 @@ void dif_cli_print_help(const dif_cli *cli)
             continue;
         }
         const char *value = opt->kind == DIF_OPT_CHOICE ? opt->limits : opt->value ? opt->value : "";
-        int column = printf("  --%s%s%s", opt->name, *value ? " " : "", value);
+        int column = printf("  --%s%s%s", opt->name, *value && *value != '[' ? " " : "", value);
         if (column > HELP_COLUMN - 2)
             column = printf("\n") - 1;
         printf("%*s", HELP_COLUMN - column, "");

@@ -11,9 +11,12 @@
 typedef enum dif_opt_kind {
     DIF_OPT_FLAG,   /* bool: set by the flag's presence                                */
     DIF_OPT_TEXT,   /* const char *: any text                                          */
+    DIF_OPT_LIST,   /* dif_opt_list: any text, once for each time that the flag is given */
     DIF_OPT_REAL,   /* double: one plain decimal number                                */
     DIF_OPT_INT,    /* int                                                             */
     DIF_OPT_RANGE,  /* dif_range: MIN:MAX:STEP or one number                           */
+    DIF_OPT_STEP,   /* dif_opt_sink: taken in the order of the command line; no value if `value` is NULL, an optional
+                       one ("--fill=X") if it begins with '[' */
     DIF_OPT_CHOICE, /* int: index of one of the names in `limits`                      */
     DIF_OPT_HEADING /* no option: a line in the help                                   */
 } dif_opt_kind;
@@ -27,6 +30,19 @@ typedef struct dif_opt {
     const char *help;
     bool *given; /* set to true if the flag was given; may be NULL                             */
 } dif_opt;
+
+enum { DIF_OPT_LIST_MAX = 16 };
+
+typedef struct dif_opt_list {
+    int n;
+    const char *text[DIF_OPT_LIST_MAX]; /* point into argv */
+} dif_opt_list;
+
+/* Where the values of DIF_OPT_STEP go; text is NULL without a value. A failure's text becomes the error line. */
+typedef struct dif_opt_sink {
+    dif_status (*take)(void *self, const char *name, const char *text, dif_error *err);
+    void *self;
+} dif_opt_sink;
 
 enum { DIF_OPT_MAX = 80, DIF_OPERAND_MAX = 1024 };
 

@@ -33,6 +33,8 @@ dif_status dif_cli_manifest_surface(dif_manifest *manifest, const dif_field_file
         (status = dif_manifest_setf(manifest, err, "patch_x_um", "%.12g", field->nx * field->pitch_x_um)) ||
         (status = dif_manifest_setf(manifest, err, "patch_y_um", "%.12g", field->ny * field->pitch_y_um)))
         return status;
+    if (file->history[0] && (status = dif_manifest_set(manifest, "preparation", file->history, err)))
+        return status;
     return dif_manifest_setf(manifest, err, "height_range_um", "%.9g", stats.max_um - stats.min_um);
 }
 
