@@ -1,6 +1,7 @@
 /* Helper of the command line tests.
  *   cli_tool json PATH <FILE                 prints the value at a dotted path; "PATH#" prints a list's length
- *   cli_tool png NX NY OUT                   writes an 8 bit picture of a sine along x */
+ *   cli_tool png NX NY OUT                   writes an 8 bit picture of a sine along x
+ *   cli_tool pixels F                        prints size and checksum of a picture's pixels, whatever its texts */
 #include <jansson.h>
 #include <math.h>
 #include <stdbool.h>
@@ -12,6 +13,7 @@
 #include "core/alloc.h"
 #include "core/io/file.h"
 #include "core/io/image_cv.h"
+#include "core/io/manifest.h"
 
 static const json_t *step_into(const json_t *at, const char *key, size_t n)
 {
@@ -78,12 +80,36 @@ static int png_main(int nx, int ny, const char *path)
     return status != DIF_OK;
 }
 
+static int pixels_main(const char *path)
+{
+    dif_error err = {0};
+    unsigned char *data = NULL;
+    uint8_t *rgb = NULL;
+    size_t n = 0;
+    int nx = 0, ny = 0;
+    char hex[65];
+    dif_status status = dif_file_read(path, (size_t)1 << 30, &data, &n, &err);
+    if (!status)
+        status = dif_image_decode_rgb(data, n, &rgb, &nx, &ny, &err);
+    if (status) {
+        fprintf(stderr, "%s\n", err.text);
+    } else {
+        dif_sha256_hex(rgb, 3 * (size_t)nx * (size_t)ny, hex);
+        printf("%d %d %s\n", nx, ny, hex);
+    }
+    dif_release(data);
+    dif_release(rgb);
+    return status != DIF_OK;
+}
+
 int main(int argc, char **argv)
 {
     if (argc == 3 && strcmp(argv[1], "json") == 0)
         return json_main(argv[2]);
     if (argc == 5 && strcmp(argv[1], "png") == 0)
         return png_main(atoi(argv[2]), atoi(argv[3]), argv[4]);
-    fprintf(stderr, "usage: cli_tool json PATH | png NX NY OUT\n");
+    if (argc == 3 && strcmp(argv[1], "pixels") == 0)
+        return pixels_main(argv[2]);
+    fprintf(stderr, "usage: cli_tool json PATH | png NX NY OUT | pixels F\n");
     return 2;
 }

@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# diffbench render
+. "$(dirname "$0")/harness.sh" "$@"
+
+run 0 fixture sine --period-nm 1600 --height-nm 120 --size-um 16 --pixels 128 --out sine.gsf
+run 0 lut sine.gsf --azimuths 256 --radii 64 --sigma-um 4 --average welch --out sine.lut.exr
+small=(--cpu --size 64x48 --detail 1)
+
+# every mesh, from a table and from the surface
+for mesh in plane disc cylinder sphere snake; do
+    run 0 render sine.lut.exr "${small[@]}" --mesh $mesh --out $mesh.png
+    err_has "64 x 48 pixels, [0-9]+ triangles, exposure [0-9.e+]+ \(auto\), drawn on cpu"
+    ok "a picture" [ "$(head -c 4 $mesh.png | tail -c 3)" = PNG ]
+done
+ok "the picture says how it was made" grep -aq 'diffbench.renderer' snake.png
+ok "and what the table was made of" grep -aq 'diffbench.table_input' snake.png
+run 0 render sine.gsf "${small[@]}" --azimuths 256 --radii 64 --sigma-um 4 --lambda-nm 400:700:50 --out surface.exr --json
+ok "EXR holds coverage" grep -aq 'diffbench.samples_per_pixel' surface.exr
+near "as wide as wanted" "$(json width)" 64 0
+ok "the renderer" [ "$(json provenance.renderer)" = cpu ]
+
+# a mesh from a file: the built-in plane as OBJ gives the same picture
+printf 'v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n' >plane.obj
+view=(--camera 50,-90,4 --light-deg 30,90 --exposure 100)
+for mesh in plane plane.obj; do
+    SOURCE_DATE_EPOCH=1 "$program" render sine.lut.exr "${small[@]}" "${view[@]}" --quiet --mesh $mesh --out $mesh.png 2>err
+done
+ok "file and built-in mesh: the same picture" [ "$("$tool" pixels plane.png)" = "$("$tool" pixels plane.obj.png)" ]
+printf 'v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n' >bare.obj
+run 0 render sine.lut.exr "${small[@]}" "${view[@]}" --mesh bare.obj --out bare.png
+ok "without texture coordinates, combed along x" [ "$("$tool" pixels plane.png)" = "$("$tool" pixels bare.png)" ]
+
+# the patch turned by 90 degrees on a plane is the scene turned the other way
+run 0 render sine.lut.exr "${small[@]}" --mesh plane --camera 0,-90,4 --light-deg 30,0 --exposure 1e4 --out a.png
+run 0 render sine.lut.exr "${small[@]}" --mesh plane --camera 0,-90,4 --light-deg 30,90 --groove-deg 90 --exposure 1e4 --out b.png
+ok "both show light" [ "$("$tool" pixels a.png)" != "$("$tool" pixels bare.png)" ]
+
+# base colour: one colour, a picture
+"$tool" png 8 8 base.png
+run 0 render sine.lut.exr "${small[@]}" --mesh sphere --base-colour 804020 --out base1.png
+run 0 render sine.lut.exr "${small[@]}" --mesh sphere --base-colour base.png --out base2.png
+ok "the base is seen" [ "$("$tool" pixels base1.png)" != "$("$tool" pixels base2.png)" ]
+refuses 3 'render: bare.obj: no texture coordinates, which --base-colour' render sine.lut.exr "${small[@]}" --mesh bare.obj \
+    --base-colour base.png --out x.png
+
+# sequences
+run 0 render sine.lut.exr "${small[@]}" --turntable 3 --out turn.png
+ok "three frames" [ "$(ls turn.*.png | wc -l)" -eq 3 ]
+ok "numbered" [ -f turn.0000.png -a -f turn.0002.png ]
+ok "that differ" [ "$("$tool" pixels turn.0000.png)" != "$("$tool" pixels turn.0001.png)" ]
+run 0 render sine.lut.exr "${small[@]}" --light-sweep 10:30:10 --out sweep.exr
+ok "three of the sweep" [ "$(ls sweep.*.exr | wc -l)" -eq 3 ]
+ok "each says its angle" grep -aq swept_theta_deg sweep.0002.exr
+
+# all methods
+run 0 render sine.gsf "${small[@]}" --azimuths 128 --radii 48 --sigma-um 4 --average none --lambda-nm 400:700:50 --mesh sphere \
+    --contact-sheet --out sheet.png
+ok "a contact sheet" [ "$(head -c 4 sheet.png | tail -c 3)" = PNG ]
+
+# refusals: one line, nothing left behind
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 nan 1\nf 1//1 2//1 3//1\n' >nan.obj
+refuses 3 'render: nan.obj: line 4: a normal of nan, want finite numbers' render sine.lut.exr "${small[@]}" --mesh nan.obj --out x.png
+refuses 3 'render: torus: ' render sine.lut.exr "${small[@]}" --mesh torus --out x.png
+refuses 3 'render: sine.gsf: no faces' render sine.lut.exr "${small[@]}" --mesh sine.gsf --out x.png
+refuses 3 'render: none.gsf: ' render none.gsf "${small[@]}" --out x.png
+refuses 3 'render: sine.lut.exr: a table, which only --method lut reads' render sine.lut.exr "${small[@]}" --method sheet --out x.png
+refuses 3 'render: sine.lut.exr: a table, and --shadowing ndf needs the surface' render sine.lut.exr "${small[@]}" --shadowing ndf --out x.png
+refuses 2 'render: nowhere to put the picture' render sine.lut.exr
+refuses 2 "render: --out 'x.jpg': unknown kind of file" render sine.lut.exr --out x.jpg
+refuses 2 "render: --size '64': expected WIDTHxHEIGHT" render sine.lut.exr --cpu --size 64 --out x.png
+refuses 2 "render: --size '9x9': expected WIDTHxHEIGHT" render sine.lut.exr --cpu --size 9x9 --out x.png
+refuses 2 "render: --camera '1': expected THETA,PHI" render sine.lut.exr --cpu --camera 1 --out x.png
+refuses 2 "render: --camera '1,2,-3': expected THETA,PHI" render sine.lut.exr --cpu --camera 1,2,-3 --out x.png
+refuses 2 "render: --light-deg '30': expected THETA,PHI" render sine.lut.exr --cpu --light-deg 30 --out x.png
+refuses 2 "render: --exposure '0': expected a number > 0 or auto" render sine.lut.exr --exposure 0 --out x.png
+refuses 2 'render: expected at most one of' render sine.lut.exr --turntable 3 --light-sweep 0:1:1 --out x.png
+refuses 2 "render: --contact-sheet with --out 'x.exr'" render sine.gsf --contact-sheet --out x.exr
+refuses 3 'render: none/x.png: cannot write' render sine.lut.exr --cpu --out none/x.png
+ok "nothing left behind" [ -z "$(find . -name 'x.*')" ]
+finish
