@@ -184,6 +184,7 @@ static void test_read__absurd_numbers_are_refused(void **state)
         {"\\Samps/line: 0", DIF_ERR_FORMAT, "0 x 2 samples"},
         {"\\Samps/line: -5", DIF_ERR_FORMAT, "-1 x 2 samples"},
         {"\\Samps/line: 4e9", DIF_ERR_SIZE, "4000000000 x 2 samples, want at most"},
+        {"\\Samps/line: 1e15\r\n\\Number of lines: 1e15", DIF_ERR_SIZE, "1000000000000000 x 1000000000000000 samples"},
         {"\\Samps/line: 1e300", DIF_ERR_FORMAT, "-1 x 2 samples"},
         {"\\Number of lines: 1000000000000000", DIF_ERR_SIZE, "3 x 1000000000000000 samples"},
         {"\\Number of lines: 32769", DIF_ERR_SIZE, "3 x 32769 samples"},

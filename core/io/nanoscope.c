@@ -123,7 +123,8 @@ static image_section section_of(const dif_nanoscope_lists *lists, dif_piece line
     return image;
 }
 
-/* Bytes of a sample. The header's "Bytes/pixel" does not say: files from 9.2 on hold 4 with 2 written there. */
+/* Bytes of a sample, for a size that was checked. The header's "Bytes/pixel" does not say: files from 9.2 on hold 4 with
+ * 2 written there. */
 static int sample_bytes(const dif_nanoscope_lists *lists, const image_section *image)
 {
     const int by_version = lists->version >= 0x09200000L ? 4 : 2;
@@ -155,9 +156,6 @@ static dif_status check_place(const dif_nanoscope_header *header, const image_se
 static dif_status check_lines(const dif_source *source, const image_section *image, int bytes, dif_raw *raw,
                               long long *ny, dif_error *err)
 {
-    dif_status status = dif_raw_check_size(source, image->nx, image->ny, err);
-    if (status)
-        return status;
     if (image->bytes_pixel == 0)
         return dif_fail(err, DIF_ERR_FORMAT, "%s: Bytes/pixel is none of 1, 2, 4", source->name);
     *ny = image->n_byte / (image->nx * bytes);
@@ -177,9 +175,12 @@ static dif_status check_lines(const dif_source *source, const image_section *ima
 static dif_status read_image(const dif_nanoscope_lists *lists, const dif_source *source, const image_section *image,
                              dif_raw *raw, dif_error *err)
 {
-    const int bytes = sample_bytes(lists, image);
     long long ny = 0;
-    dif_status status = check_lines(source, image, bytes, raw, &ny, err);
+    dif_status status = dif_raw_check_size(source, image->nx, image->ny, err);
+    if (status)
+        return status;
+    const int bytes = sample_bytes(lists, image);
+    status = check_lines(source, image, bytes, raw, &ny, err);
     if (!status)
         status = dif_raw_allocate(source, image->nx, ny, raw, err);
     if (status)
