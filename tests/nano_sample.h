@@ -93,7 +93,7 @@ static inline nano_file nano_make(const char *version, const char *scale)
 }
 
 /* Reads the only or named channel of a file whose samples are NANO_SIX; each is factor_um times its integer. */
-static inline void nano_expect_six(const nano_file *nano, const char *channel, double factor_um)
+static inline void assert_nano_six(const nano_file *nano, const char *channel, double factor_um)
 {
     dif_field_request request = dif_field_request_default();
     dif_field_file file;

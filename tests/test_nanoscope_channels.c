@@ -63,13 +63,13 @@ static void test_read__channel_by_name_alias_and_number(void **state)
 {
     (void)state;
     const nano_file file = make_five();
-    nano_expect_six(&file, NULL, 10.0 * 0.5 / 65536.0);
-    nano_expect_six(&file, "zsensor", 10.0 * 0.5 / 65536.0);
-    nano_expect_six(&file, "height sensor", 10.0 * 0.5 / 65536.0);
-    nano_expect_six(&file, "5", 10.0 * 0.5 / 65536.0);
-    nano_expect_six(&file, "Height", 10.0 * 20e-3 / 65536.0);
-    nano_expect_six(&file, "3", 10.0 * 20e-3 / 65536.0);
-    nano_expect_six(&file, "Def", 1.0 * 0.5 / 65536.0);
+    assert_nano_six(&file, NULL, 10.0 * 0.5 / 65536.0);
+    assert_nano_six(&file, "zsensor", 10.0 * 0.5 / 65536.0);
+    assert_nano_six(&file, "height sensor", 10.0 * 0.5 / 65536.0);
+    assert_nano_six(&file, "5", 10.0 * 0.5 / 65536.0);
+    assert_nano_six(&file, "Height", 10.0 * 20e-3 / 65536.0);
+    assert_nano_six(&file, "3", 10.0 * 20e-3 / 65536.0);
+    assert_nano_six(&file, "Def", 1.0 * 0.5 / 65536.0);
 }
 
 static void test_read__channel_that_is_no_height(void **state)
@@ -108,7 +108,7 @@ static void test_read__without_a_height_channel_the_user_names_one(void **state)
     nano_end(&file, 2, NANO_SIX, 6);
     assert_parse_fails(file.data, file.n, NULL, DIF_ERR_FORMAT,
                        "no channel is known to hold heights: 1 Deformation (nm); name one with --channel");
-    nano_expect_six(&file, "1", 10.0 * 20e-3 / 65536.0);
+    assert_nano_six(&file, "1", 10.0 * 20e-3 / 65536.0);
 }
 
 static void test_read__trace_and_retrace_are_told_apart_by_number(void **state)
@@ -126,8 +126,8 @@ static void test_read__trace_and_retrace_are_told_apart_by_number(void **state)
     nano_end(&file, 2, NANO_SIX, 6);
     memcpy(file.data + file.n, file.data + NANO_HEADER, 12);
     file.n += 12;
-    nano_expect_six(&file, NULL, 20e-3 / 65536.0);
-    nano_expect_six(&file, "2", 40e-3 / 65536.0);
+    assert_nano_six(&file, NULL, 20e-3 / 65536.0);
+    assert_nano_six(&file, "2", 40e-3 / 65536.0);
     request.channel = "Height";
     assert_parse_fails(file.data, file.n, &request, DIF_ERR_FORMAT,
                        "2 channels are called 'Height': 1 Height (nm), 2 Height (nm); give the number to --channel");
