@@ -29,6 +29,7 @@ void dif_cli_add_surface(dif_cli *cli, dif_cli_surface *surface)
          "of a file with several: its name, or its number as `info` lists it (default: the height channel)", NULL},
     };
     dif_cli_add(cli, opts, DIF_COUNT(opts));
+    dif_cli_add_prep(cli, &surface->prep);
 }
 
 dif_field_request dif_cli_surface_request(const dif_cli_surface *surface)
@@ -39,6 +40,7 @@ dif_field_request dif_cli_surface_request(const dif_cli_surface *surface)
     request.height_um = surface->height_um;
     request.z_unit = surface->z_unit;
     request.channel = surface->channel;
+    request.allow_missing = surface->prep.n > 0; /* a step may fill them; what is left is found behind the last */
     return request;
 }
 
