@@ -63,18 +63,19 @@ DIF_MUST_USE dif_status dif_field_channels_parse(const unsigned char *data, size
                                                  dif_channels *out, dif_error *err);
 void dif_channels_free(dif_channels *channels);
 
-/* The channel that `which` means: a name or alias (letters may differ in case), else the only one that begins so, else
- * a number from 1. NULL is the preferred channel.
+/* The channel that `which` means: a name or alias (letters may differ in case), else a number from 1, else the only one
+ * whose name begins so. NULL is the preferred channel.
  *
  * Status    DIF_ERR_FORMAT if there is none, or several; the text tells which there are, without the file's name */
 DIF_MUST_USE dif_status dif_channels_find(const dif_channels *channels, const char *which, int *index, dif_error *err);
 
 /* Reads a file. What the request says wins over what the file says of itself, with a warning if they differ.
  *
- * Integer images: values 0 to 2^bits - 1 span height_um. Of several channels
- * the one of the request is read, else the file's height channel (EXR: R, else the first). Text: a
- * list of x y z becomes a grid with the largest y at the top, all three in z_unit unless pixel_um or size_um is said.
- * Up to 2^28 samples.
+ * Integer images: values 0 to 2^bits - 1 span height_um. Of several channels the one of the request is read, else the
+ * file's height channel: NanoScope's Height Sensor or else Height, the first in a length of a Gwyddion file, R or else the
+ * first of an EXR. Text: a list of x y z becomes a grid with the largest y at the top, all three in z_unit unless pixel_um
+ * or size_um is said. Up to 2^28 samples; memory is asked for only when the file holds as many, so that it is bounded by
+ * the file's own size (NanoScope: 4 times that).
  *
  * Status    DIF_ERR_ARG (the request: a length <= 0, an unknown unit), DIF_ERR_IO, DIF_ERR_FORMAT, DIF_ERR_SCALE (names the flag), DIF_ERR_NONFINITE, DIF_ERR_SIZE,
  *           DIF_ERR_UNSUPPORTED, DIF_ERR_NOMEM; the text begins with the path. *out zeroed on failure */
