@@ -90,7 +90,69 @@ static void test_surface__drifting_scan_is_given_away_by_its_bands(void **state)
     assert_near(r.band_sd_um, 0.00153, 0.1, 0.0);
     assert_true(r.period_scatter_um > 5.0 * r.period_sd_um);
     assert_near(r.period_uncertainty_um, r.period_scatter_um, 0.0, 0.0);
+    /* rows go down while y goes up; 299 rows are 8.97 um */
+    assert_int_equal(r.drift.n_band, 8);
+    assert_near(r.drift.slope, -0.005 / 8.97, 0.02, 0.0);
+    assert_near(r.drift.share, -0.01 * 9.0 / 8.97 / 1.005, 0.02, 0.0);
+    assert_true(r.drift.is_significant);
+    assert_near(r.drift.band[0].y_um, dif_field_y_um(&field, 18), 0.0, 1e-9); /* rows 0 ... 36 */
+    assert_near(r.drift.band[0].period_um, 0.5 * (1.0 + 0.01 * 18 / 299), 2e-4, 0.0);
     dif_field_free(&field);
+}
+
+static void test_surface__drift_of_a_wave_along_the_slow_axis(void **state)
+{
+    (void)state;
+    /* the wave runs along y and its period from 0.5 um at the bottom to 0.505 um at the top: phase = integral of dy/p */
+    dif_field field;
+    assert_int_equal(dif_field_create(60, 500, 0.03, 0.03, &field, NULL), DIF_OK);
+    const double height_um = 500 * 0.03;
+    for (int iy = 0; iy < 500; iy++)
+        for (int ix = 0; ix < 60; ix++) {
+            const double t = (dif_field_y_um(&field, iy) + 0.5 * height_um) / height_um;
+            field.z_um[iy * 60 + ix] = 0.05 * sin(DIF_TWO_PI * height_um / 0.005 * log1p(0.01 * t));
+        }
+    const dif_fit_surface_result r = fit(&field, NULL);
+    assert_int_equal(r.drift.n_band, 8);
+    assert_true(r.drift.is_significant);
+    /* a band of 4 periods whose period changes within it */
+    assert_near(r.drift.slope, 0.005 / height_um, 0.1, 0.0);
+    dif_field_free(&field);
+}
+
+static void test_surface__steady_scans_show_no_drift(void **state)
+{
+    (void)state;
+    int n_significant = 0;
+    for (int k = 0; k < 5; k++) {
+        dif_field field = make(DIF_SURFACE_SINE, 0.7 + 0.01 * k, 0.1, 0.3, 200, 200, 0.05);
+        add_noise(&field, 0.02);
+        const dif_fit_surface_result r = fit(&field, NULL);
+        assert_near(r.drift.slope, 0.0, 0.0, 5.0 * r.drift.slope_sd);
+        n_significant += r.drift.is_significant;
+        dif_field_free(&field);
+    }
+    assert_true(n_significant <= 1); /* one in a hundred is expected */
+}
+
+static void test_surface__direction_of_the_start_chooses_the_wave(void **state)
+{
+    (void)state;
+    dif_field field = make(DIF_SURFACE_SINE, 0.7, 0.1, 6.0, 150, 150, 0.05);
+    const dif_field other = make(DIF_SURFACE_SINE, 0.9, 0.08, 96.0, 150, 150, 0.05);
+    for (size_t i = 0; i < dif_field_n(&field); i++)
+        field.z_um[i] += other.z_um[i];
+    dif_fit_surface_opts opts = dif_fit_surface_opts_default();
+    assert_near(fit(&field, &opts).period_um, 0.7, 1e-3, 0.0);
+    opts.psi_start_rad = dif_rad_from_deg(-84.0);
+    assert_near(fit(&field, &opts).period_um, 0.9, 1e-3, 0.0);
+    opts.psi_start_rad = (double)INFINITY;
+    dif_fit_surface_result r;
+    dif_error err;
+    assert_int_equal(dif_fit_surface(&field, &opts, &r, &err), DIF_ERR_ARG);
+    assert_string_equal(err.text, "start direction inf rad, want a finite angle");
+    dif_field_free(&field);
+    dif_field_free(&(dif_field){.z_um = other.z_um});
 }
 
 static void test_surface__measured_gratings(void **state)
@@ -162,6 +224,9 @@ int main(void)
         cmocka_unit_test(test_surface__pure_sine_is_met_exactly),
         cmocka_unit_test(test_surface__noisy_gratings_lie_inside_their_uncertainty),
         cmocka_unit_test(test_surface__drifting_scan_is_given_away_by_its_bands),
+        cmocka_unit_test(test_surface__drift_of_a_wave_along_the_slow_axis),
+        cmocka_unit_test(test_surface__steady_scans_show_no_drift),
+        cmocka_unit_test(test_surface__direction_of_the_start_chooses_the_wave),
         cmocka_unit_test(test_surface__measured_gratings),
         cmocka_unit_test(test_surface__what_is_no_grating_is_refused),
     };
