@@ -1,4 +1,4 @@
-/* Text matrices and x y z lists. */
+/* Text matrices. */
 #include "tests/io_cases.h"
 
 static const char EXPORT[] = "# Channel: My Channel\n# Width: 6 \xc2\xb5m\n# Height: 500 nm\n# Value units: nm\n";
@@ -95,6 +95,49 @@ static void test_read__utf16_in_both_orders(void **state)
             wide[n++] = big ? TEXT[i] : '\0';
         }
         expect_numbers(wide, n, &request, WANT);
+    }
+}
+
+/* A text as UTF-16 with its byte order mark; returns its length in bytes. */
+static size_t widen(const char *text, bool big, char *out)
+{
+    size_t n = 0;
+    out[n++] = big ? '\xfe' : '\xff';
+    out[n++] = big ? '\xff' : '\xfe';
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+        /* two bytes of UTF-8 are all that is needed here */
+        const unsigned code = *c < 0x80 ? *c : (c[0] & 31u) << 6 | (c[1] & 63u);
+        c += *c >= 0x80;
+        out[n++] = (char)(big ? code >> 8 : code & 255u);
+        out[n++] = (char)(big ? code & 255u : code >> 8);
+    }
+    return n;
+}
+
+static void test_read__utf16_with_header_and_decimal_comma(void **state)
+{
+    (void)state;
+    static const char TEXT[] = "# Kanal: H\xc3\xb6hen\r\n# Breite: 6,0 \xc2\xb5m\r\n# H\xc3\xb6he: 500 nm\r\n"
+                               "# Value units: nm\r\n1,5\t-2,5\tNaN\r\n4\t0,25\t6,0e+003\r\n";
+    static const double WANT[6] = {1.5, -2.5, NAN, 4.0, 0.25, 6e3};
+    for (int big = 0; big < 2; big++) {
+        char wide[2 * sizeof TEXT];
+        dif_field_file file;
+        dif_error err;
+        dif_field_request request = dif_field_request_default();
+        request.allow_missing = true;
+        if (parse_bytes(wide, widen(TEXT, big, wide), &request, &file, &err))
+            fail_msg("%s", err.text);
+        assert_string_equal(file.title, "H\xc3\xb6hen");
+        assert_near(file.field.pitch_x_um, 2.0, 4e-16, 0.0);
+        assert_near(file.field.pitch_y_um, 0.25, 4e-16, 0.0);
+        for (int i = 0; i < 6; i++) {
+            if (isnan(WANT[i]))
+                assert_true(isnan(file.field.z_um[i]));
+            else
+                assert_near(file.field.z_um[i], 1e-3 * WANT[i], 4e-16, 0.0);
+        }
+        dif_field_file_free(&file);
     }
 }
 
@@ -245,68 +288,6 @@ static void test_read__refuses_sizes_over_the_limit(void **state)
     assert_parse_fails(text, n, &request, DIF_ERR_SIZE, "65538 x 1 samples, want at most 32768 a side");
 }
 
-static void test_xyz__any_order_becomes_a_grid_with_y_up(void **state)
-{
-    (void)state;
-    char text[1000] = "";
-    size_t n = 0;
-    for (int i = 0; i < 12; i++) {
-        const int k = (5 * i + 3) % 12, ix = k % 4, iy = k / 4; /* a shuffle */
-        n += (size_t)snprintf(text + n, sizeof text - n, "%.5f %g %d\n", 10.0 + 0.5 * ix + (k == 2 ? 2e-4 : 0.0),
-                              -3.0 + 2.0 * iy, 100 + 10 * iy + ix);
-    }
-    dif_field_request request = dif_field_request_default();
-    request.z_unit = "nm";
-    dif_field_file file;
-    dif_error err;
-    assert_int_equal(parse_bytes(text, n, &request, &file, &err), DIF_OK);
-    assert_int_equal(file.field.nx, 4);
-    assert_int_equal(file.field.ny, 3);
-    assert_near(file.field.pitch_x_um, 0.5e-3, 1e-12, 0.0); /* the mean of steps of decimals */
-    assert_near(file.field.pitch_y_um, 2e-3, 1e-12, 0.0);
-    for (int iy = 0; iy < 3; iy++) {
-        for (int ix = 0; ix < 4; ix++)
-            assert_near(file.field.z_um[iy * 4 + ix], 1e-3 * (100 + 10 * (2 - iy) + ix), 4e-16, 0.0);
-    }
-    dif_field_file_free(&file);
-    request.pixel_um = 0.25; /* x and y in another unit than z */
-    assert_int_equal(parse_bytes(text, n, &request, &file, &err), DIF_OK);
-    assert_true(file.field.pitch_x_um == 0.25 && file.field.pitch_y_um == 0.25);
-    dif_field_file_free(&file);
-    assert_parse_fails(text, n, NULL, DIF_ERR_SCALE, "text has no scale in it, give --z-unit (nm, um, m)");
-}
-
-static void test_xyz__a_missing_height_is_one_point_of_the_grid(void **state)
-{
-    (void)state;
-    static const char TEXT[] = "0 0 1\n1 0 NaN\n0 1 3\n1 1 inf\n";
-    dif_field_request request = request_nm();
-    dif_field_file file;
-    dif_error err;
-    assert_parse_fails(TEXT, sizeof TEXT - 1, &request, DIF_ERR_NONFINITE, "height at column 1, row 0 is nan");
-    request.allow_missing = true;
-    assert_int_equal(parse_bytes(TEXT, sizeof TEXT - 1, &request, &file, &err), DIF_OK);
-    assert_int_equal(file.field.nx * 10 + file.field.ny, 22);
-    assert_true(file.field.z_um[0] == 3.0 && isnan(file.field.z_um[1]));
-    assert_true(file.field.z_um[2] == 1.0 && isnan(file.field.z_um[3]));
-    dif_field_file_free(&file);
-}
-
-static void test_xyz__refuses_what_is_no_full_grid(void **state)
-{
-    (void)state;
-    const dif_field_request request = request_nm();
-    static const char *const TEXTS[] = {
-        "0 0 1\n1 0 1\n0 1 1\n1 1.1 1\n",      "0 0 1\n1 0 1\n0 1 1\n0 1 1\n",
-        "0 0 1\n1 0 1\n0 1 1\n1 1 1\n2 0 1\n", "1 2 3\n4 5 6\n7 8 9\n10 11 12\n",
-        "0 0 1\n0 0 1\n0 0 1\n0 0 1\n",        "0 0 1\n1 0 1\n3 0 1\n0 1 1\n1 1 1\n3 1 1\n",
-        "0 0 1\nNaN 0 1\n0 1 1\n1 1 1\n",      "0 0 1\n1 0 1\n0 inf 1\n1 1 1\n",
-        "0 0 NaN\n1 0 1\n0 1 1\n0 1 1\n",
-    };
-    for (size_t i = 0; i < sizeof TEXTS / sizeof *TEXTS; i++)
-        assert_parse_fails(TEXTS[i], strlen(TEXTS[i]), &request, DIF_ERR_FORMAT, "neither x y z on a regular grid nor");
-}
-
 static void test_read__beginnings_never_read_past_their_end(void **state)
 {
     (void)state;
@@ -344,6 +325,7 @@ int main(void)
         cmocka_unit_test(test_read__export_headers_give_scale_and_title),
         cmocka_unit_test(test_read__separators_and_decimal_signs),
         cmocka_unit_test(test_read__utf16_in_both_orders),
+        cmocka_unit_test(test_read__utf16_with_header_and_decimal_comma),
         cmocka_unit_test(test_read__size_and_factor_header),
         cmocka_unit_test(test_read__refuses_ragged_rows_with_line_and_counts),
         cmocka_unit_test(test_read__missing_points_are_nan_on_request),
@@ -352,9 +334,6 @@ int main(void)
         cmocka_unit_test(test_read__refuses_what_is_no_number),
         cmocka_unit_test(test_read__missing_scale_names_the_flags),
         cmocka_unit_test(test_read__refuses_sizes_over_the_limit),
-        cmocka_unit_test(test_xyz__any_order_becomes_a_grid_with_y_up),
-        cmocka_unit_test(test_xyz__a_missing_height_is_one_point_of_the_grid),
-        cmocka_unit_test(test_xyz__refuses_what_is_no_full_grid),
         cmocka_unit_test(test_read__beginnings_never_read_past_their_end),
         cmocka_unit_test(test_read__failing_heap_is_said),
     };
