@@ -90,6 +90,9 @@ static void test_read__channel_that_is_no_height(void **state)
     request.channel = "no such";
     assert_parse_fails(file.data, file.n, &request, DIF_ERR_FORMAT,
                        "no channel 'no such', it has 1 Deformation (~m), 2 Phase (deg), 3 Height (nm), ");
+    request.channel = "he";
+    assert_parse_fails(file.data, file.n, &request, DIF_ERR_FORMAT,
+                       "2 channels begin with 'he': 1 Deformation (~m), 2 Phase (deg), 3 Height (nm), ");
     request.channel = "6";
     assert_parse_fails(file.data, file.n, &request, DIF_ERR_FORMAT, "no channel '6', it has 1 Deformation");
     request.channel = "0";

@@ -74,8 +74,8 @@ DIF_MUST_USE dif_status dif_channels_find(const dif_channels *channels, const ch
  * Integer images: values 0 to 2^bits - 1 span height_um. Of several channels the one of the request is read, else the
  * file's height channel: NanoScope's Height Sensor or else Height, the first in a length of a Gwyddion file, R or else the
  * first of an EXR. Text: a list of x y z becomes a grid with the largest y at the top, all three in z_unit unless pixel_um
- * or size_um is said. Up to 2^28 samples; memory is asked for only when the file holds as many, so that it is bounded by
- * the file's own size (NanoScope: 4 times that).
+ * or size_um is said. Up to 2^28 samples; but for compressed formats memory is asked for only when the file holds as many, at
+ * most 4 times its size.
  *
  * Status    DIF_ERR_ARG (the request: a length <= 0, an unknown unit), DIF_ERR_IO, DIF_ERR_FORMAT, DIF_ERR_SCALE (names the flag), DIF_ERR_NONFINITE, DIF_ERR_SIZE,
  *           DIF_ERR_UNSUPPORTED, DIF_ERR_NOMEM; the text begins with the path. *out zeroed on failure */

@@ -161,8 +161,8 @@ dif_status dif_channels_find(const dif_channels *channels, const char *which, in
         if (n_found == 1)
             return DIF_OK;
         if (n_found > 1)
-            return dif_fail(err, DIF_ERR_FORMAT, "%d channels are called '%.30s': %s; give the number to --channel",
-                            n_found, which, describe(channels, list));
+            return dif_fail(err, DIF_ERR_FORMAT, "%d channels %s '%.30s': %s; give the number to --channel", n_found,
+                            want == 2 ? "are called" : "begin with", which, describe(channels, list));
         if (want == 2 && (*index = find_number(channels, which)) >= 0)
             return DIF_OK;
     }
