@@ -72,11 +72,10 @@ static void test_read__every_type_with_increment_and_offset(void **state)
         const char *type, *warning;
         const void *data;
         size_t n;
-    } types[] = {
-        {"I", "", I, sizeof I},
-        {"L", "", L, sizeof L},
-        {"F", "floating-point heights have an Increment of their own, which is applied", F, sizeof F},
-        {"D", "floating-point heights have an Increment of their own, which is applied", X3P_SIX, sizeof X3P_SIX}};
+    } types[] = {{"I", "", I, sizeof I},
+                 {"L", "", L, sizeof L},
+                 {"F", "floating-point heights are times the file's Increment of 1e-09", F, sizeof F},
+                 {"D", "floating-point heights are times the file's Increment of 1e-09", X3P_SIX, sizeof X3P_SIX}};
     for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
         const x3p_file files[] = {{"bindata/data.bin", types[i].data, types[i].n}, {0}};
         x3p_head head = x3p_head_make();

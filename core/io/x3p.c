@@ -328,8 +328,11 @@ static void take_scale(x3p *file, dif_raw *raw)
     if (increment != 0.0)
         raw->unit_um = increment * 1e6;
     raw->offset_um = offset * 1e6;
-    if (is_float && increment != 1.0)
-        warn(file, "floating-point heights have an Increment of their own, which is applied");
+    if (is_float && increment != 1.0) {
+        char sentence[80];
+        snprintf(sentence, sizeof sentence, "floating-point heights are times the file's Increment of %.4g", increment);
+        warn(file, sentence);
+    }
 }
 
 static void name_layer(int layer, int n_layer, char name[DIF_CHANNEL_NAME_SIZE])
