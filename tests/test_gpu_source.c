@@ -2,15 +2,33 @@
 /* The sources of every shader that the library can make, checked by glslangValidator without any GL: ES 3.10 for compute, ES
  * 3.00 for fragment and vertex shaders. GLSLANG is its path, or empty. */
 #include <stdio.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "gpu_bench.h"
 
-enum { FILE_CHARS = 64 };
+/* Shaders that wait for the validator, in a folder of their own. */
+typedef struct pile {
+    char folder[64];
+    int n;
+} pile;
 
-/* A shader as the driver gets it. */
-static void write_source(const dif_gl_shader *shader, const char *path)
+static pile pile_open(void)
 {
+    pile p = {.n = 0};
+    snprintf(p.folder, sizeof p.folder, "/tmp/dif_shaders_%ld", (long)getpid());
+    assert_int_equal(mkdir(p.folder, 0700), 0);
+    return p;
+}
+
+/* Writes a shader as the driver gets it. */
+static void pile_add(pile *p, const dif_gl_shader *shader)
+{
+    char path[128];
+    snprintf(path, sizeof path, "%s/%d.%s", p->folder, p->n++,
+             shader->stage == GL_COMPUTE_SHADER  ? "comp"
+             : shader->stage == GL_VERTEX_SHADER ? "vert"
+                                                 : "frag");
     FILE *file = fopen(path, "w");
     assert_non_null(file);
     fputs(dif_gl_version_line(shader->stage), file);
@@ -21,27 +39,18 @@ static void write_source(const dif_gl_shader *shader, const char *path)
     assert_int_equal(fclose(file), 0);
 }
 
-static const char *stage_name(GLenum stage)
+/* The validator's verdict on all of them, which then go. */
+static bool pile_is_valid(pile *p)
 {
-    return stage == GL_COMPUTE_SHADER ? "comp" : stage == GL_VERTEX_SHADER ? "vert" : "frag";
+    char command[1024];
+    snprintf(command, sizeof command,
+             "'%s' %s/* > %s.log 2>&1; code=$?; [ $code -eq 0 ] || grep ERROR %s.log; rm -r %s %s.log; exit $code",
+             GLSLANG, p->folder, p->folder, p->folder, p->folder, p->folder);
+    print_message("%d shaders\n", p->n);
+    return system(command) == 0;
 }
 
-/* Checks one shader: the validator's verdict on it. */
-static bool is_valid(const dif_gl_shader *shader)
-{
-    char path[FILE_CHARS], command[1024];
-    snprintf(path, sizeof path, "/tmp/dif_shader_%ld.%s", (long)getpid(), stage_name(shader->stage));
-    write_source(shader, path);
-    snprintf(command, sizeof command, "'%s' -S %s '%s' > '%s.log' 2>&1 || { cat '%s.log'; false; }", GLSLANG,
-             stage_name(shader->stage), path, path, path);
-    const int code = system(command);
-    assert_int_equal(remove(path), 0);
-    strncat(path, ".log", sizeof path - strlen(path) - 1);
-    assert_int_equal(remove(path), 0);
-    return code == 0;
-}
-
-static void check_variants(const dif_sheet *sheet, dif_model_kind kind, int jobs_from, int jobs_to)
+static void add_variants(pile *p, const dif_sheet *sheet, dif_model_kind kind, int jobs_from, int jobs_to)
 {
     static dif_eval_source source;
     for (int job = jobs_from; job <= jobs_to; job++)
@@ -56,7 +65,7 @@ static void check_variants(const dif_sheet *sheet, dif_model_kind kind, int jobs
                 dif_eval_source_make(&variant, &source);
                 assert_int_equal(source.n_shader, path == DIF_GPU_COMPUTE ? 1 : 2);
                 for (int i = 0; i < source.n_shader; i++)
-                    assert_true(is_valid(&source.shader[i]));
+                    pile_add(p, &source.shader[i]);
             }
 }
 
@@ -77,22 +86,24 @@ static void test_source__every_variant_is_valid(void **state)
     const dif_window window = {.kind = DIF_WINDOW_FLAT};
     const dif_band band = {10.0, 0.0, 10.0};
     dif_field field = test_rough_field(16, 16, 0.3, 0.3, 0.2, 1);
+    pile p = pile_open();
     for (int i = 0; i < 3; i++) {
         dif_sheet *line, *volume;
         assert_int_equal(dif_sheet_create_line(&field, &window, 0.0, &band, TOLS[i], NULL, &line, NULL), DIF_OK);
         assert_int_equal(dif_sheet_create_volume(&field, &window, &band, TOLS[i], NULL, &volume, NULL), DIF_OK);
         print_message("%d and %d taps\n", line->s.kernel.width, volume->z.kernel.width);
-        check_variants(line, DIF_MODEL_SHEET, DIF_JOB_IS_TABLE, DIF_JOB_IS_TABLE);
-        check_variants(volume,
-                       i == 0   ? DIF_MODEL_SHEET
-                       : i == 1 ? DIF_MODEL_NMM
-                                : DIF_MODEL_PQ,
-                       DIF_JOB_IS_VALUES, DIF_JOB_IS_COLOURS);
+        add_variants(&p, line, DIF_MODEL_SHEET, DIF_JOB_IS_TABLE, DIF_JOB_IS_TABLE);
+        add_variants(&p, volume,
+                     i == 0   ? DIF_MODEL_SHEET
+                     : i == 1 ? DIF_MODEL_NMM
+                              : DIF_MODEL_PQ,
+                     DIF_JOB_IS_VALUES, DIF_JOB_IS_COLOURS);
         dif_sheet_free(line);
         dif_sheet_free(volume);
     }
-    check_variants(NULL, DIF_MODEL_STAM, DIF_JOB_IS_VALUES, DIF_JOB_IS_COLOURS);
-    check_variants(NULL, DIF_MODEL_LUT, DIF_JOB_IS_COLOURS, DIF_JOB_IS_COLOURS);
+    add_variants(&p, NULL, DIF_MODEL_STAM, DIF_JOB_IS_VALUES, DIF_JOB_IS_COLOURS);
+    add_variants(&p, NULL, DIF_MODEL_LUT, DIF_JOB_IS_COLOURS, DIF_JOB_IS_COLOURS);
+    assert_true(pile_is_valid(&p));
     dif_field_free(&field);
 }
 
@@ -105,9 +116,13 @@ static void test_source__colour_functions_are_valid(void **state)
     dif_gl_shader_add(&shader, dif_shader_part("colour.glsl"));
     dif_gl_shader_add(&shader, (dif_gl_part){"main", "out vec4 c;\nvoid main()\n{\n    c = vec4(dif_srgb_encode("
                                                      "dif_fit_gamut(dif_rgb_from_xyz(vec3(1.0)))), 1.0);\n}\n"});
-    assert_true(is_valid(&shader));
+    pile p = pile_open();
+    pile_add(&p, &shader);
+    assert_true(pile_is_valid(&p));
     shader.part[0].text = ""; /* no precision: the validator sees it */
-    assert_false(is_valid(&shader));
+    p = pile_open();
+    pile_add(&p, &shader);
+    assert_false(pile_is_valid(&p));
 }
 
 /* GLSL of the kernels against core/kernel.h, by a small reader of the text: every coefficient is there with nine digits. */
