@@ -5,6 +5,7 @@
 
 #include <unistd.h>
 
+#include "core/io/exr_io.h"
 #include "core/io/field_raw.h"
 #include "core/io/image_head.h"
 
@@ -142,6 +143,46 @@ static void test_write__png_carries_the_keys_and_the_provenance(void **state)
     dif_field_free(&field);
 }
 
+/* Other programs see Gwyddion's keys alone: lengths as doubles, units as strings. */
+static void test_write__exr_says_the_same_in_gwyddion_keys(void **state)
+{
+    (void)state;
+    dif_field field = make_field(-1.0, 1.0);
+    dif_field_file file;
+    dif_error err;
+    dif_exr *exr = NULL;
+    unsigned char *data = NULL;
+    size_t n = 0;
+    double value = 0.0;
+    assert_int_equal(dif_exr_field_encode(&field, NULL, &data, &n, &err), DIF_OK);
+    const dif_source source = dif_source_of(data, n, "f");
+    assert_int_equal(dif_exr_open(&source, &exr, &err), DIF_OK);
+    assert_null(dif_exr_text(exr, "Gwy::XReal"));
+    assert_true(dif_exr_number(exr, "Gwy::XReal", &value));
+    assert_near(value, 17 * field.pitch_x_um * 1e-6, 4e-16, 0.0);
+    assert_true(dif_exr_number(exr, "Gwy::YReal", &value));
+    assert_near(value, 11 * field.pitch_y_um * 1e-6, 4e-16, 0.0);
+    assert_string_equal(dif_exr_text(exr, "Gwy::XYUnit"), "m");
+    assert_string_equal(dif_exr_text(exr, "Gwy::ZUnit"), "um");
+    dif_exr_close(exr);
+    int n_hidden = 0;
+    for (size_t i = 0; i + 10 < n; i++) {
+        if (memcmp(data + i, "diffbench.", 10) == 0) {
+            data[i] = 'x';
+            n_hidden++;
+        }
+    }
+    assert_int_equal(n_hidden, 3); /* both pitches and the unit of heights */
+    assert_int_equal(parse_bytes(data, n, NULL, &file, &err), DIF_OK);
+    assert_near(file.field.pitch_x_um, field.pitch_x_um, 1e-15, 0.0);
+    assert_near(file.field.pitch_y_um, field.pitch_y_um, 1e-15, 0.0);
+    for (size_t k = 0; k < dif_field_n(&field); k++)
+        assert_true(file.field.z_um[k] == (double)(float)field.z_um[k]);
+    dif_field_file_free(&file);
+    dif_release(data);
+    dif_field_free(&field);
+}
+
 static void test_write__text_is_as_gwyddion_exports_it(void **state)
 {
     (void)state;
@@ -215,6 +256,7 @@ int main(void)
         cmocka_unit_test(test_loss__is_said_where_it_is_coarse),
         cmocka_unit_test(test_write__a_flat_field_stays_flat),
         cmocka_unit_test(test_write__png_carries_the_keys_and_the_provenance),
+        cmocka_unit_test(test_write__exr_says_the_same_in_gwyddion_keys),
         cmocka_unit_test(test_write__text_is_as_gwyddion_exports_it),
         cmocka_unit_test(test_write__refuses_what_it_cannot_write),
         cmocka_unit_test(test_write__failing_heap_leaves_nothing),

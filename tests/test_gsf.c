@@ -152,6 +152,13 @@ static void test_read__non_finite_samples_are_refused_with_the_place(void **stat
     put_float(&gsf, NAN);
     assert_parse_fails(gsf.data, gsf.n, NULL, DIF_ERR_NONFINITE,
                        "height at column 2, row 1 is nan, want a finite number");
+    dif_field_request request = dif_field_request_default();
+    dif_field_file file;
+    dif_error err;
+    request.allow_missing = true;
+    assert_int_equal(parse_bytes(gsf.data, gsf.n, &request, &file, &err), DIF_OK);
+    assert_true(isnan(file.field.z_um[5]) && isfinite(file.field.z_um[4]));
+    dif_field_file_free(&file);
     gsf = make(FULL, 3);
     put_float(&gsf, INFINITY);
     put_float(&gsf, 1.0f);
