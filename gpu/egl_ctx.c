@@ -48,7 +48,7 @@ bool dif_gpu_is_software(const char *renderer)
     static const char *const NAMES[] = {"llvmpipe", "softpipe", "swrast", "swiftshader", "software"};
     char lower[160];
     size_t n = 0;
-    for (; renderer[n] && n < sizeof lower - 1; n++)
+    for (; n < sizeof lower - 1 && renderer[n]; n++)
         lower[n] = (char)tolower((unsigned char)renderer[n]);
     lower[n] = '\0';
     for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++)
@@ -150,7 +150,8 @@ static dif_status open_context(dif_gpu *gpu, const dif_gpu_opts *opts, dif_error
     place places[PLACES_MAX];
     const char *why = "EGL knows neither devices nor the surfaceless platform";
     if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base"))
-        return dif_fail(err, DIF_ERR_RESOURCE, "no GPU: EGL has no driver (EGL_EXT_platform_base is missing; Debian: libegl-mesa0)");
+        return dif_fail(err, DIF_ERR_RESOURCE,
+                        "no GPU: EGL has no driver (EGL_EXT_platform_base is missing; Debian: libegl-mesa0)");
     const int n = find_places(places);
     for (int i = 0; i < n && !gpu->context; i++) {
         const char *failed = try_place(gpu, places + i);

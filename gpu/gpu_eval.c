@@ -13,13 +13,14 @@ dif_gpu_eval_opts dif_gpu_eval_opts_default(void)
 
 static void gpu_close(void *self)
 {
+    enum { N_TEXTURE = 7 };
     dif_gpu_eval *eval = self;
     if (!eval)
         return;
     if (dif_gpu_begin(eval->gpu, NULL) == DIF_OK) {
-        dif_gl_texture *const textures[] = {&eval->directions, &eval->waves, &eval->asked,    &eval->spectrum,
-                                            &eval->maps,       eval->result, eval->result + 1};
-        for (int i = 0; i < (int)(sizeof textures / sizeof *textures); i++)
+        dif_gl_texture *const textures[N_TEXTURE] = {&eval->directions, &eval->waves, &eval->asked,    &eval->spectrum,
+                                                     &eval->maps,       eval->result, eval->result + 1};
+        for (int i = 0; i < N_TEXTURE; i++)
             dif_gl_texture_delete(eval->gpu, textures[i]);
         for (int i = 0; i < eval->n_slot; i++)
             dif_gl_texture_delete(eval->gpu, eval->slot + i);

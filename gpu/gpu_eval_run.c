@@ -37,9 +37,10 @@ dif_status dif_eval_program(dif_gpu_eval *eval, int job, dif_error *err)
 /* Textures on the units of SAMPLERS; the planes are bound by the caller. */
 static void bind(const dif_gpu_eval *eval, int to)
 {
-    const dif_gl_texture *const textures[] = {&eval->directions, &eval->waves,          &eval->asked,
-                                              &eval->spectrum,   &eval->result[1 - to], &eval->maps};
-    for (int i = 0; i < (int)(sizeof textures / sizeof *textures); i++)
+    enum { N_TEXTURE = 6 };
+    const dif_gl_texture *const textures[N_TEXTURE] = {&eval->directions, &eval->waves,          &eval->asked,
+                                                       &eval->spectrum,   &eval->result[1 - to], &eval->maps};
+    for (int i = 0; i < N_TEXTURE; i++)
         if (textures[i]->id)
             dif_gl_texture_bind(textures[i], i + 1);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, eval->block);
