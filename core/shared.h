@@ -26,6 +26,13 @@
 #define DIF_FAULT_IS_SIGN  2
 #define DIF_FAULT_IS_TAP   3
 
+/* dif_shadowing */
+#define DIF_SHADOWING_IS_NONE    0
+#define DIF_SHADOWING_IS_VCAVITY 1
+
+/* Lights of a rendering: DIF_LIGHT_MAX. */
+#define DIF_RENDER_LIGHTS 8
+
 /* What a shader answers: one texel holds 4 queries, 4 angles of one wavelength, or the colour of 1 direction. */
 #define DIF_JOB_IS_VALUES  0
 #define DIF_JOB_IS_TABLE   1

@@ -16,7 +16,9 @@ static const dif_cli_help HELP = {
     "the\n"
     "snake, the radius of the disc), turned by --groove-deg. EXR holds linear R, G, B, exposed, and the coverage A; "
     "PNG is\n"
-    "encoded sRGB. With --turntable or --light-sweep, F.png becomes F.0000.png, F.0001.png ...\n",
+    "encoded sRGB. The GPU draws (lut in its fragment shader, the other methods in compute shaders on what the CPU's\n"
+    "rasteriser sees), or with --cpu the CPU in double precision. With --turntable or --light-sweep, F.png becomes "
+    "F.0000.png, F.0001.png ...\n",
     "  diffbench fixture xenopeltis --size-um 32 --pixels 256 --out shed.gsf\n"
     "  diffbench lut shed.gsf --azimuths 512 --radii 96 --sigma-um 8 --average welch --out shed.lut.exr\n"
     "  diffbench render shed.lut.exr --cpu --mesh snake --size 320x180 --out snake.png\n"
@@ -109,6 +111,8 @@ static bool ends_in(const char *path, const char *end)
 typedef struct render_run {
     dif_render_source source;
     dif_render_scene scene;
+    dif_gpu *gpu; /* NULL: the CPU draws */
+    char renderer[224];
     dif_render_engine engine[DIF_RENDER_METHODS];
     dif_frame frame[DIF_RENDER_METHODS];
     dif_manifest manifest;
@@ -123,6 +127,7 @@ static void run_free(render_run *run)
         dif_render_engine_close(&run->engine[i]);
         dif_frame_free(&run->frame[i]);
     }
+    dif_gpu_close(run->gpu);
     dif_render_source_free(&run->source);
     dif_render_scene_free(&run->scene);
     dif_manifest_free(&run->manifest);
@@ -153,6 +158,12 @@ static dif_scene scene_of(const dif_render_args *args, const render_run *run, in
         scene.light[0] = dif_vec3_from_angles_rad(dif_rad_from_deg(dif_range_at(&args->sweep_deg, i)),
                                                   dif_rad_from_deg(run->scene.light_deg[0][1]));
     return scene;
+}
+
+static void note_renderer(render_run *run)
+{
+    const char *name = dif_render_engine_name(&run->engine[0]);
+    snprintf(run->renderer, sizeof run->renderer, "%s", name ? name : "");
 }
 
 static dif_status note_frame(const dif_render_args *args, render_run *run, int i, dif_error *err)
@@ -196,12 +207,13 @@ static dif_status draw_frame(const dif_render_args *args, render_run *run, int i
 static dif_status draw_frames(const dif_cli *cli, const dif_render_args *args, render_run *run, dif_error *err)
 {
     dif_progress progress = dif_progress_begin(run->n_frame > 1 ? "frames" : cli->verb, cli->quiet);
-    dif_status status =
-        dif_render_engine_open(cli, args, &run->source, (dif_render_method)args->method, &run->engine[0], err);
+    dif_status status = dif_render_engine_open(cli, args, &run->source, &run->scene, run->gpu,
+                                               (dif_render_method)args->method, &run->engine[0], err);
     if (!status)
         status = dif_frame_create(run->scene.nx, run->scene.ny, &run->frame[0], err);
     if (!status)
         status = dif_render_describe(cli, args, &run->source, &run->scene, &run->engine[0], &run->manifest, err);
+    note_renderer(run);
     for (int i = 0; i < run->n_frame && !status; i++) {
         status = draw_frame(args, run, i, &progress, err);
         dif_progress_draw(&progress, (i + 1.0) / run->n_frame);
@@ -218,7 +230,8 @@ static dif_status draw_sheet(const dif_cli *cli, const dif_render_args *args, re
     dif_status status = DIF_OK;
     for (int i = 0; i < DIF_RENDER_METHODS && !status; i++) {
         dif_progress progress = dif_progress_begin(dif_render_method_name((dif_render_method)i), cli->quiet);
-        status = dif_render_engine_open(cli, args, &run->source, (dif_render_method)i, &run->engine[i], err);
+        status = dif_render_engine_open(cli, args, &run->source, &run->scene, run->gpu, (dif_render_method)i,
+                                        &run->engine[i], err);
         if (!status)
             status = dif_frame_create(run->scene.nx, run->scene.ny, &run->frame[i], err);
         if (!status)
@@ -226,6 +239,8 @@ static dif_status draw_sheet(const dif_cli *cli, const dif_render_args *args, re
                                      NULL, err);
         if (!status && i == 0)
             status = dif_render_describe(cli, args, &run->source, &run->scene, &run->engine[0], &run->manifest, err);
+        if (i == 0)
+            note_renderer(run);
         dif_render_engine_close(&run->engine[i]);
         dif_progress_end(&progress);
     }
@@ -242,6 +257,16 @@ static dif_status draw_sheet(const dif_cli *cli, const dif_render_args *args, re
     return status ? status : dif_frame_write_sheet(args->out, DIF_RENDER_METHODS, cell, 2, &look, &run->manifest, err);
 }
 
+static dif_status open_gpu(const dif_render_args *args, render_run *run, dif_error *err)
+{
+    const dif_gpu_opts opts = {.require_hardware = args->require_hardware};
+    dif_error why = {0};
+    if (args->cpu)
+        return DIF_OK;
+    const dif_status status = dif_gpu_open(&opts, &run->gpu, &why);
+    return status ? dif_fail(err, status, "%.180s; --cpu renders without a GPU", why.text) : DIF_OK;
+}
+
 static int execute(const dif_cli *cli, const dif_render_args *args)
 {
     dif_error err = {0};
@@ -249,6 +274,8 @@ static int execute(const dif_cli *cli, const dif_render_args *args)
     dif_status status = dif_cli_check_out(args->out, &err);
     if (!status)
         status = dif_render_scene_make(args, &run.scene, &err);
+    if (!status)
+        status = open_gpu(args, &run, &err);
     if (!status)
         status = dif_render_source_read(cli, args, &run.source, &err);
     if (!status)
@@ -259,7 +286,7 @@ static int execute(const dif_cli *cli, const dif_render_args *args)
     } else {
         dif_cli_say(cli, "%d x %d pixels, %d triangle%s, exposure %.4g%s, drawn on %s", run.scene.nx, run.scene.ny,
                     run.scene.mesh.n_triangle, run.scene.mesh.n_triangle == 1 ? "" : "s", run.exposure,
-                    args->exposure_value > 0.0 ? "" : " (auto)", "cpu");
+                    args->exposure_value > 0.0 ? "" : " (auto)", run.renderer);
         if (cli->json)
             code = dif_json_print(cli,
                                   json_pack("{s:i, s:i, s:i, s:o, s:o}", "width", run.scene.nx, "height", run.scene.ny,

@@ -9,6 +9,7 @@
 #include "core/io/frame_io.h"
 #include "core/lut.h"
 #include "core/shade.h"
+#include "gpu/gpu_render.h"
 
 /* In the order of --method; the model kinds of the same names. */
 typedef enum dif_render_method {
@@ -70,22 +71,28 @@ DIF_MUST_USE dif_status dif_render_source_read(const dif_cli *cli, const dif_ren
                                                dif_error *err);
 void dif_render_source_free(dif_render_source *source);
 
-/* A method made ready: its model and the evaluator that reads it. */
+/* A method made ready: its model and who reads it: the CPU's evaluator, the GPU's renderer (lut), or the GPU's evaluator
+ * on what the CPU's rasteriser sees (the other methods). */
 typedef struct dif_render_engine {
     dif_render_method method;
     dif_model model;       /* of a table that was read */
     dif_model_built built; /* of a surface             */
     dif_evaluator evaluator;
+    dif_gpu_renderer *renderer;
     dif_measure_opts opts;
     double bound;
     int n_window;
 } dif_render_engine;
 
-/* Status as dif_model_build_volume. */
+/* Given gpu, or NULL for the CPU. Status as dif_model_build_volume, dif_gpu_renderer_open, dif_gpu_evaluator_open. */
 DIF_MUST_USE dif_status dif_render_engine_open(const dif_cli *cli, const dif_render_args *args,
-                                               const dif_render_source *source, dif_render_method method,
-                                               dif_render_engine *out, dif_error *err);
+                                               const dif_render_source *source, const dif_render_scene *scene,
+                                               dif_gpu *gpu, dif_render_method method, dif_render_engine *out,
+                                               dif_error *err);
 void dif_render_engine_close(dif_render_engine *engine);
+
+/* "cpu", or the GPU's renderer string and path. */
+const char *dif_render_engine_name(const dif_render_engine *engine);
 
 /* Draws a frame. */
 DIF_MUST_USE dif_status dif_render_draw(const dif_render_args *args, const dif_render_source *source,

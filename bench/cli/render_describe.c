@@ -64,7 +64,7 @@ dif_status dif_render_describe(const dif_cli *cli, const dif_render_args *args, 
     if (!status)
         status = describe_scene(args, scene, out, err);
     if (status || (status = dif_manifest_set(out, "method", dif_render_method_name(engine->method), err)) ||
-        (status = dif_manifest_set(out, "renderer", engine->evaluator.name, err)) ||
+        (status = dif_manifest_set(out, "renderer", dif_render_engine_name(engine), err)) ||
         (status = dif_manifest_set(out, "shadowing", dif_shadowing_name(source->shadow.kind), err)) ||
         (status = dif_manifest_setf(out, err, "samples_per_pixel", "%d x %d", args->n_sub, args->n_sub)) ||
         (status = dif_manifest_set(out, "exposure_by", args->exposure_value > 0.0 ? "user" : "auto", err)) ||

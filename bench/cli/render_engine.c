@@ -108,8 +108,21 @@ static dif_status build(const dif_cli *cli, const dif_render_args *args, const d
     return status;
 }
 
+/* The reader of a model that is there. */
+static dif_status open_reader(const dif_model *model, const dif_render_source *source, const dif_render_scene *scene,
+                              dif_gpu *gpu, dif_render_engine *out, dif_error *err)
+{
+    if (!gpu)
+        return dif_cpu_evaluator_open(model, &out->evaluator, err);
+    if (model->kind == DIF_MODEL_LUT)
+        return dif_gpu_renderer_open(gpu, model->lut, model->index, &scene->mesh, scene->scene.base, &source->shadow,
+                                     NULL, &out->renderer, err);
+    return dif_gpu_evaluator_open(gpu, model, NULL, &out->evaluator, err);
+}
+
 dif_status dif_render_engine_open(const dif_cli *cli, const dif_render_args *args, const dif_render_source *source,
-                                  dif_render_method method, dif_render_engine *out, dif_error *err)
+                                  const dif_render_scene *scene, dif_gpu *gpu, dif_render_method method,
+                                  dif_render_engine *out, dif_error *err)
 {
     *out = (dif_render_engine){.method = method, .bound = (double)NAN};
     dif_status status = DIF_OK;
@@ -121,7 +134,7 @@ dif_status dif_render_engine_open(const dif_cli *cli, const dif_render_args *arg
     else
         status = build(cli, args, source, out, err);
     if (!status)
-        status = dif_cpu_evaluator_open(source->is_lut ? &out->model : &out->built.model, &out->evaluator, err);
+        status = open_reader(source->is_lut ? &out->model : &out->built.model, source, scene, gpu, out, err);
     if (status)
         dif_render_engine_close(out);
     return status;
@@ -129,8 +142,15 @@ dif_status dif_render_engine_open(const dif_cli *cli, const dif_render_args *arg
 
 void dif_render_engine_close(dif_render_engine *engine)
 {
+    dif_gpu_renderer_close(engine->renderer);
     dif_evaluator_close(&engine->evaluator);
     dif_model_built_free(&engine->built);
+    engine->renderer = NULL;
+}
+
+const char *dif_render_engine_name(const dif_render_engine *engine)
+{
+    return engine->renderer ? dif_gpu_renderer_name(engine->renderer) : engine->evaluator.name;
 }
 
 dif_status dif_render_draw(const dif_render_args *args, const dif_render_source *source,
@@ -142,5 +162,7 @@ dif_status dif_render_draw(const dif_render_args *args, const dif_render_source 
     how.shadow = &source->shadow;
     how.progress = progress ? dif_progress_draw : NULL;
     how.progress_self = progress;
+    if (engine->renderer)
+        return dif_gpu_renderer_draw(engine->renderer, scene, &how, frame, cost, err);
     return dif_shade_draw(scene, &engine->evaluator, &how, frame, cost, err);
 }

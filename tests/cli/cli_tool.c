@@ -1,7 +1,8 @@
 /* Helper of the command line tests.
  *   cli_tool json PATH <FILE                 prints the value at a dotted path; "PATH#" prints a list's length
  *   cli_tool png NX NY OUT                   writes an 8 bit picture of a sine along x
- *   cli_tool pixels F                        prints size and checksum of a picture's pixels, whatever its texts */
+ *   cli_tool pixels F                        prints size and checksum of a picture's pixels, whatever its texts
+ *   cli_tool differ F G                      prints the mean difference of two pictures' values, of 255 */
 #include <jansson.h>
 #include <math.h>
 #include <stdbool.h>
@@ -80,26 +81,48 @@ static int png_main(int nx, int ny, const char *path)
     return status != DIF_OK;
 }
 
-static int pixels_main(const char *path)
+static uint8_t *load_rgb(const char *path, int *nx, int *ny)
 {
     dif_error err = {0};
     unsigned char *data = NULL;
     uint8_t *rgb = NULL;
     size_t n = 0;
-    int nx = 0, ny = 0;
-    char hex[65];
     dif_status status = dif_file_read(path, (size_t)1 << 30, &data, &n, &err);
     if (!status)
-        status = dif_image_decode_rgb(data, n, &rgb, &nx, &ny, &err);
-    if (status) {
+        status = dif_image_decode_rgb(data, n, &rgb, nx, ny, &err);
+    if (status)
         fprintf(stderr, "%s\n", err.text);
-    } else {
+    dif_release(data);
+    return rgb;
+}
+
+static int pixels_main(const char *path)
+{
+    int nx = 0, ny = 0;
+    char hex[65];
+    uint8_t *rgb = load_rgb(path, &nx, &ny);
+    if (rgb) {
         dif_sha256_hex(rgb, 3 * (size_t)nx * (size_t)ny, hex);
         printf("%d %d %s\n", nx, ny, hex);
     }
-    dif_release(data);
     dif_release(rgb);
-    return status != DIF_OK;
+    return rgb == NULL;
+}
+
+static int differ_main(const char *a, const char *b)
+{
+    int nx = 0, ny = 0, mx = 0, my = 0;
+    uint8_t *one = load_rgb(a, &nx, &ny), *other = load_rgb(b, &mx, &my);
+    const bool good = one && other && nx == mx && ny == my;
+    const size_t n = good ? 3 * (size_t)nx * (size_t)ny : 0;
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++)
+        sum += abs(one[i] - other[i]);
+    if (good)
+        printf("%.6f\n", sum / (double)n);
+    dif_release(one);
+    dif_release(other);
+    return !good;
 }
 
 int main(int argc, char **argv)
@@ -110,6 +133,8 @@ int main(int argc, char **argv)
         return png_main(atoi(argv[2]), atoi(argv[3]), argv[4]);
     if (argc == 3 && strcmp(argv[1], "pixels") == 0)
         return pixels_main(argv[2]);
-    fprintf(stderr, "usage: cli_tool json PATH | png NX NY OUT | pixels F\n");
+    if (argc == 4 && strcmp(argv[1], "differ") == 0)
+        return differ_main(argv[2], argv[3]);
+    fprintf(stderr, "usage: cli_tool json PATH | png NX NY OUT | pixels F | differ F G\n");
     return 2;
 }

@@ -57,6 +57,26 @@ run 0 render sine.gsf "${small[@]}" --azimuths 128 --radii 48 --sigma-um 4 --ave
     --contact-sheet --out sheet.png
 ok "a contact sheet" [ "$(head -c 4 sheet.png | tail -c 3)" = PNG ]
 
+# the GPU, hardware or not; without one a line that says what does without it
+if "$program" render sine.lut.exr --size 64x48 --detail 1 --mesh sphere --exposure 1e4 --out gpu.png --json >out 2>err; then
+    last="render on the GPU"
+    ok "the renderer's name" [ "$(json provenance.renderer | grep -c 'fragment$')" -eq 1 ]
+    run 0 render sine.lut.exr "${small[@]}" --mesh sphere --exposure 1e4 --out cpu.png
+    ok "GPU and CPU: pictures alike ($("$tool" differ gpu.png cpu.png))" is_near "$("$tool" differ gpu.png cpu.png)" 0 0.5
+    for method in sheet nmm stam; do
+        run 0 render sine.gsf --size 64x48 --detail 1 --mesh sphere --exposure 1e4 --sigma-um 4 --average none \
+            --lambda-nm 400:700:50 --method $method --out gpu.png
+        run 0 render sine.gsf "${small[@]}" --mesh sphere --exposure 1e4 --sigma-um 4 --average none \
+            --lambda-nm 400:700:50 --method $method --out cpu.png
+        ok "$method likewise" is_near "$("$tool" differ gpu.png cpu.png)" 0 0.5
+    done
+else
+    ok "names --cpu" grep -q -e '--cpu renders without a GPU' err
+fi
+export __EGL_VENDOR_LIBRARY_DIRS=/nonexistent
+refuses 4 'render: .*--cpu renders without a GPU' render sine.lut.exr --size 64x48 --out x.png
+unset __EGL_VENDOR_LIBRARY_DIRS
+
 # refusals: one line, nothing left behind
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 nan 1\nf 1//1 2//1 3//1\n' >nan.obj
 refuses 3 'render: nan.obj: line 4: a normal of nan, want finite numbers' render sine.lut.exr "${small[@]}" --mesh nan.obj --out x.png
@@ -65,8 +85,8 @@ refuses 3 'render: sine.gsf: no faces' render sine.lut.exr "${small[@]}" --mesh 
 refuses 3 'render: none.gsf: ' render none.gsf "${small[@]}" --out x.png
 refuses 3 'render: sine.lut.exr: a table, which only --method lut reads' render sine.lut.exr "${small[@]}" --method sheet --out x.png
 refuses 3 'render: sine.lut.exr: a table, and --shadowing ndf needs the surface' render sine.lut.exr "${small[@]}" --shadowing ndf --out x.png
-refuses 2 'render: nowhere to put the picture' render sine.lut.exr
-refuses 2 "render: --out 'x.jpg': unknown kind of file" render sine.lut.exr --out x.jpg
+refuses 2 'render: nowhere to put the picture' render sine.lut.exr --cpu
+refuses 2 "render: --out 'x.jpg': unknown kind of file" render sine.lut.exr --cpu --out x.jpg
 refuses 2 "render: --size '64': expected WIDTHxHEIGHT" render sine.lut.exr --cpu --size 64 --out x.png
 refuses 2 "render: --size '9x9': expected WIDTHxHEIGHT" render sine.lut.exr --cpu --size 9x9 --out x.png
 refuses 2 "render: --camera '1': expected THETA,PHI" render sine.lut.exr --cpu --camera 1 --out x.png
