@@ -74,7 +74,7 @@ static void give_source(GLuint object, const dif_gl_shader *shader)
     int n = 0;
     text[n++] = dif_gl_version_line(shader->stage);
     for (int i = 0; i < shader->n_part; i++) {
-        snprintf(line[i], sizeof line[i], "#line %d %d\n", (i + 1) * LINES_A_PART + 1, i + 1);
+        snprintf(line[i], sizeof line[i], "\n#line %d %d\n", (i + 1) * LINES_A_PART + 1, i + 1);
         text[n++] = line[i];
         text[n++] = shader->part[i].text;
     }
