@@ -5,6 +5,7 @@
 
 #include "bench/cli/report_job.h"
 #include "bench/energy.h"
+#include "bench/table_cut.h"
 #include "core/alloc.h"
 #include "core/units.h"
 
@@ -203,28 +204,6 @@ double dif_report_fit_angle_max_rad(void)
     return fit_angle_max_rad;
 }
 
-/* A copy of the table in which cells outside a range of |f| and of |angle| are NaN. */
-static dif_status cut_table(const dif_table *table, double f_min_per_um, double f_max_per_um, double angle_max_rad,
-                            dif_table *out, dif_error *err)
-{
-    const dif_plan *plan = &table->plan;
-    const dif_status status = dif_table_create(plan, table->quantity, out, err);
-    if (status != DIF_OK)
-        return status;
-    for (int ia = 0; ia < plan->n_angle; ia++) {
-        double sin_sum, cos_sum;
-        dif_plan_transfer(plan, ia, &sin_sum, &cos_sum);
-        for (int il = 0; il < plan->n_lambda; il++) {
-            const size_t at = (size_t)il * (size_t)plan->n_angle + (size_t)ia;
-            const double f_per_um = fabs(sin_sum) / plan->lambda_um[il];
-            const bool keep =
-                f_per_um >= f_min_per_um && f_per_um <= f_max_per_um && fabs(plan->angle_rad[ia]) <= angle_max_rad;
-            out->value[at] = keep ? table->value[at] : (double)NAN;
-        }
-    }
-    return DIF_OK;
-}
-
 /* Distance of the samples along the plane of incidence, NaN where the plane runs askew of the grid. */
 static double pitch_along_um(const dif_report_job *job)
 {
@@ -246,7 +225,7 @@ static dif_status fit_table(const dif_report_job *job, dif_report_data *data, di
     if (job->is_grating)
         opts.n_ridge_max = DIF_FIT_RIDGE_MAX;
     dif_table part;
-    dif_status status = cut_table(&data->table, job->f_min_per_um, job->f_max_per_um, fit_angle_max_rad, &part, err);
+    dif_status status = dif_table_cut(&data->table, job->f_min_per_um, job->f_max_per_um, fit_angle_max_rad, &part, err);
     if (status != DIF_OK)
         return status;
     const clock_pair start = now();
@@ -297,7 +276,7 @@ static dif_status find_maxima(const dif_report_job *job, dif_report_data *data, 
     dif_maxima_opts opts = dif_maxima_opts_default();
     opts.floor_share = job->is_grating ? grating_floor : scan_floor;
     opts.period_um = data->fit_status == DIF_OK ? data->fit.period_um : (double)NAN;
-    dif_status status = cut_table(&data->table, job->f_min_per_um, INFINITY, 0.5 * DIF_PI, &part, err);
+    dif_status status = dif_table_cut(&data->table, job->f_min_per_um, INFINITY, 0.5 * DIF_PI, &part, err);
     if (status != DIF_OK)
         return status;
     status = dif_maxima_find(&part, &opts, &data->maxima, err);
