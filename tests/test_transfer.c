@@ -7,7 +7,7 @@
 enum { N = 65, N_SIGMA = 33 };
 
 /* A colour map with a kink and a jump of slope. */
-static void test_map(double colour[N][3])
+static void fill_map(double colour[N][3])
 {
     for (int i = 0; i < N; i++) {
         const double t = (double)i / (N - 1);
@@ -40,7 +40,7 @@ static double blurred(const double colour[N][3], int c, double mean, double sigm
 static dif_transfer make(double colour[N][3])
 {
     dif_transfer transfer;
-    test_map(colour);
+    fill_map(colour);
     assert_int_equal(dif_transfer_create(N, (const double(*)[3])colour, N_SIGMA, &transfer, NULL), DIF_OK);
     return transfer;
 }
@@ -119,7 +119,7 @@ static void test_create__bad_input_is_refused(void **state)
     double colour[N][3];
     dif_error err;
     dif_transfer t;
-    test_map(colour);
+    fill_map(colour);
     const double(*map)[3] = (const double(*)[3])colour;
     assert_int_equal(dif_transfer_create(1, map, 5, &t, &err), DIF_ERR_ARG);
     assert_string_equal(err.text, "1 colours and 5 widths, want 2 ... 4096");

@@ -7,7 +7,7 @@ set(DIF_PUBLIC_HEADERS
     core/raster.h core/scene.h core/series.h core/shade.h core/shadow.h core/sheet.h core/slope.h core/spectrum.h core/stam.h core/status.h core/thesis.h core/transfer.h core/units.h core/vec.h
     core/window.h
     core/io/directions.h core/io/field_io.h core/io/file.h core/io/hemisphere_io.h core/io/frame_io.h core/io/image_cv.h core/io/lut_io.h core/io/manifest.h
-    core/io/map_io.h core/io/obj_tiny.h core/io/table_io.h
+    core/io/map_io.h core/io/obj_tiny.h core/io/panel_picture.h core/io/table_io.h
     fixtures/meshes.h fixtures/surfaces.h
     gpu/gpu.h gpu/gpu_render.h
     bench/compare_methods.h bench/energy.h bench/fit.h bench/lut_check.h bench/map.h bench/maxima.h bench/measure.h bench/model_build.h bench/regress.h bench/regress_limits.h bench/regress_run.h bench/table_cut.h
