@@ -14,6 +14,9 @@
 /* A plane that takes more of the variance than this is worth a hint. */
 static const double TILT_TOLD = 0.1;
 
+/* So many points are no defects. */
+static const double DEFECTS_TOLD = 0.01;
+
 enum { NOTE_SIZE = 320 };
 
 /* What a step works on and what it has to say. */
@@ -49,8 +52,9 @@ static dif_status run_defects(work *w, const dif_cli_step *step, dif_error *err)
     const dif_prep_limit limit = {in_sigma, in_sigma ? step->value : dif_um_from_nm(step->value)};
     size_t n = 0;
     const dif_status status = (is_scars ? dif_prep_scars : dif_prep_despike)(w->field, limit, &n, err);
-    snprintf(w->note, sizeof w->note, "%zu points replaced (%.3g %%)", n,
-             100.0 * (double)n / (double)dif_field_n(w->field));
+    const double share = (double)n / (double)dif_field_n(w->field);
+    snprintf(w->note, sizeof w->note, "%zu points replaced (%.3g %%%s)", n, 100.0 * share,
+             share > DEFECTS_TOLD ? ": rather structure than defects, raise the limit" : "");
     return status;
 }
 
@@ -137,20 +141,23 @@ static dif_status run_whole_periods(work *w, const dif_cli_step *step, dif_error
     return status;
 }
 
-/* The calibration scan: read with what was said of the surface's own scale, not prepared. */
+/* The calibration scan, not prepared: by its own scale, or by what was said of the surface's if it has none. */
 static dif_status fit_other(work *w, const char *path, const char *name, double start_um, dif_fit_surface_result *fit,
                             char hex[65], dif_error *err)
 {
-    dif_cli_surface plain = *w->surface;
+    const dif_cli_prep bare = {.n = 1, .step = {{.kind = DIF_STEP_LEVEL, .choice = DIF_LEVEL_CHOICE_NONE}}};
+    dif_cli_surface own = dif_cli_surface_default(), said = *w->surface;
     dif_field_file other = {0};
     unsigned char *data = NULL;
     size_t n = 0;
-    plain.prep = (dif_cli_prep){.n = 1, .step = {{.kind = DIF_STEP_LEVEL, .choice = DIF_LEVEL_CHOICE_NONE}}};
+    own.prep = said.prep = bare;
     dif_status status = dif_file_read(path, (size_t)1 << 33, &data, &n, err);
     if (!status) {
         dif_sha256_hex(data, n, hex);
-        status = dif_cli_surface_read(w->cli, path, &plain, &other, err);
+        status = dif_cli_surface_read(w->cli, path, &own, &other, err);
     }
+    if (status == DIF_ERR_SCALE)
+        status = dif_cli_surface_read(w->cli, path, &said, &other, err);
     if (!status)
         status = fit_period(&other.field, name, start_um, (double)NAN, fit, err);
     dif_field_file_free(&other);

@@ -2,7 +2,7 @@
 # Runs the example of every verb's --help as it stands, each in a folder of its own.
 . "$(dirname "$0")/harness.sh" "$@"
 
-for verb in fixture info table eval map lut orders maxima fit report; do
+for verb in fixture info convert table eval map lut orders maxima fit report; do
     run 0 $verb --help
     sed '1,/^Example$/d' out >example
     ok "$verb: an example that uses the verb" grep -q "diffbench $verb" example

@@ -5,14 +5,14 @@
 run 0 --version
 out_has '^diffbench [0-9]+\.[0-9]+\.[0-9]+$'
 run 0 --help
-for verb in fixture info table eval map lut orders maxima fit report; do
+for verb in fixture info convert table eval map lut orders maxima fit report; do
     out_has "^  $verb "
 done
 refuses 2 '^diffbench: no verb given'
-refuses 2 '^diffbench: bake: unknown verb, expected one of fixture, info, table' bake
+refuses 2 '^diffbench: bake: unknown verb, expected one of fixture, info, convert, table' bake
 refuses 2 '^diffbench: --json: unknown flag' --json
 
-for verb in fixture info table eval map lut orders maxima fit report; do
+for verb in fixture info convert table eval map lut orders maxima fit report; do
     run 0 $verb --help
     out_has "^usage: diffbench $verb"
     out_has '^Example$'
