@@ -1,24 +1,10 @@
 /* Preparation that moves samples: filling, resampling, rotation, high-pass, whole periods. */
-#include <string.h>
-
 #include "bench/fit.h"
 #include "core/fft.h"
 #include "core/prep.h"
 #include "core/units.h"
-#include "near.h"
+#include "prep_field.h"
 #include "rough.h"
-
-static double *at(const dif_field *field, int ix, int iy)
-{
-    return field->z_um + (size_t)iy * (size_t)field->nx + (size_t)ix;
-}
-
-static dif_field blank(int nx, int ny, double pitch_x_um, double pitch_y_um)
-{
-    dif_field field;
-    assert_int_equal(dif_field_create(nx, ny, pitch_x_um, pitch_y_um, &field, NULL), DIF_OK);
-    return field;
-}
 
 /* A wave of amplitude 1 um. */
 typedef struct wave {
