@@ -7,7 +7,7 @@
 /* The picture of a hemisphere in an SVG of WIDTH x HEIGHT: a disc of RADIUS around the middle. */
 enum { WIDTH = 560, HEIGHT = 480, CENTRE_X = 248, CENTRE_Y = 240, RADIUS = 206, RING_DEG = 15, BAR_X = 530 };
 
-static void write_base64(const unsigned char *data, size_t n, FILE *html)
+void dif_figure_base64(const unsigned char *data, size_t n, FILE *html)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < n; i += 3) {
@@ -26,7 +26,7 @@ static void write_disc(const dif_picture *picture, const char *prefix, double cx
             "<image clip-path=\"url(#%s-disc)\" x=\"%g\" y=\"%g\" width=\"%g\" height=\"%g\" "
             "preserveAspectRatio=\"none\" href=\"data:image/png;base64,",
             prefix, cx, cy, r, prefix, cx - r, cy - r, 2.0 * r, 2.0 * r);
-    write_base64(picture->png, picture->n, html);
+    dif_figure_base64(picture->png, picture->n, html);
     fprintf(html, "\"/>\n<circle cx=\"%g\" cy=\"%g\" r=\"%g\" fill=\"none\" stroke=\"#444\" stroke-width=\"0.8\"/>\n",
             cx, cy, r);
 }
@@ -127,4 +127,16 @@ void dif_figure_small_map(const dif_picture *picture, const char *label, const c
     fputs("\" viewBox=\"0 0 150 150\">\n", html);
     write_disc(picture, prefix, 75.0, 75.0, 73.0, html);
     fputs("</svg>\n", html);
+}
+
+void dif_figure_picture(const dif_picture *picture, const char *label, FILE *html)
+{
+    fputs("<svg role=\"img\" aria-label=\"", html);
+    dif_html_text(html, label);
+    fprintf(html,
+            "\" viewBox=\"0 0 %d %d\">\n<image x=\"0\" y=\"0\" width=\"%d\" height=\"%d\" "
+            "href=\"data:image/png;base64,",
+            picture->nx, picture->ny, picture->nx, picture->ny);
+    dif_figure_base64(picture->png, picture->n, html);
+    fputs("\"/>\n</svg>\n", html);
 }

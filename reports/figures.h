@@ -34,7 +34,21 @@ DIF_MUST_USE dif_status dif_figure_lines(const dif_result *result, const char *p
  * luminance. `map` is the result's object of that name. */
 void dif_figure_map(const dif_picture *picture, const json_t *map, bool is_level, const char *prefix, FILE *html);
 
+/* Bytes as base64, for pictures inside a page. */
+void dif_figure_base64(const unsigned char *data, size_t n, FILE *html);
+
+/* One picture of a comparison with a ring around a place: `at` holds x and y as shares from the left and the top, NULL =
+ * no ring. `axes`: [angle from, to, wavelength from, to] of a table, or NULL: a disc of directions. */
+void dif_figure_compared(const dif_picture *picture, const json_t *axes, const json_t *at, const char *label,
+                         const char *prefix, FILE *html);
+
+/* The scale of a difference picture, from low to high. */
+void dif_figure_difference_bar(double low, double high, const char *prefix, FILE *html);
+
 /* The same small, without rings; `label` is for those who cannot see it. */
 void dif_figure_small_map(const dif_picture *picture, const char *label, const char *prefix, FILE *html);
+
+/* A picture as it is; `label` is for those who cannot see it. */
+void dif_figure_picture(const dif_picture *picture, const char *label, FILE *html);
 
 #endif

@@ -146,6 +146,9 @@ dif_status dif_page_surface(FILE *html, int number, const dif_result *result, di
         fprintf(html, "<h3 id=\"s%d-methods\">Methods compared</h3>\n", number);
         dif_part_methods(html, doc);
     }
+    status = dif_part_slopes(html, number, result, err);
+    if (status != DIF_OK)
+        return status;
     fprintf(html, "<h3 id=\"s%d-accuracy\">Accuracy</h3>\n", number);
     dif_part_accuracy(html, doc);
     fprintf(html, "<h3 id=\"s%d-energy\">Energy and order powers</h3>\n", number);

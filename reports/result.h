@@ -6,9 +6,11 @@
  *   NAME.maxima.csv     DIF_RESULT_MAXIMA columns  NAME.lines.csv                   DIF_RESULT_LINES columns
  *   NAME.map.png, NAME.map-level.png               the BRDF map's colours and its luminance, if it was measured
  *   NAME.map.exr                                   its numbers, for others
+ *   NAME.slopes.png, NAME.normals.png, NAME.view.png
+ *                                                  slopes, normals and a view from afar, if they were measured
  *   NAME.study-I-K.png                             picture K of study I, if studies were asked for
  *
- * "map", "methods" and "study" are parts of NAME.json that may be absent.
+ * "map", "methods", "slopes" and "study" are parts of NAME.json that may be absent.
  * Numbers that do not exist are null. Files are named relative to the folder and may not leave it.
  * Does not: compute results. */
 #ifndef DIF_RESULT_H

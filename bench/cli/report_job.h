@@ -6,6 +6,7 @@
 
 #include <jansson.h>
 
+#include "bench/cli/report_slopes.h"
 #include "bench/compare_methods.h"
 #include "bench/fit.h"
 #include "bench/map.h"
@@ -31,10 +32,10 @@ typedef struct dif_report_job {
     bool is_grating;  /* all ridges are orders of one period; false: each has its own, as on a scan       */
     bool has_grating; /* the surface is this grating: closed forms apply                        */
     dif_grating grating;
-    double known_period_um;                  /* NaN = unknown                                                       */
-    bool known_exact;                        /* false: a guide only (irregular rows)                                */
-    bool want_map, want_methods, want_study; /* parts that can be left out                        */
-    dif_manifest provenance;                 /* owned                                                              */
+    double known_period_um; /* NaN = unknown                                                       */
+    bool known_exact;       /* false: a guide only (irregular rows)                                */
+    bool want_map, want_methods, want_slopes, want_study; /* parts that can be left out           */
+    dif_manifest provenance; /* owned                                                              */
 } dif_report_job;
 
 void dif_report_job_free(dif_report_job *job);
@@ -131,7 +132,8 @@ typedef struct dif_report_data {
     dif_report_energy energy[DIF_REPORT_ENERGY_MAX];
     dif_report_map_data map;
     dif_report_methods_data methods;
-    dif_report_study study; /* owned */
+    dif_report_slopes_data slopes; /* owned */
+    dif_report_study study;        /* owned */
     int n_stage;
     dif_report_stage stage[DIF_REPORT_STAGE_MAX];
 } dif_report_data;
@@ -219,7 +221,7 @@ json_t *dif_report_published_json(const dif_report_job *job, const dif_report_da
 json_t *dif_report_json(const dif_report_job *job, const dif_report_data *data, bool *outside);
 
 /* Writes all files of one surface into the folder. Status DIF_ERR_IO, DIF_ERR_NOMEM, DIF_ERR_FOREIGN. */
-DIF_MUST_USE dif_status dif_report_write(const char *folder, const dif_report_job *job, const dif_report_data *data,
+DIF_MUST_USE dif_status dif_report_write(const char *folder, const dif_report_job *job, dif_report_data *data,
                                          bool *outside, dif_error *err);
 
 /* Writes a JSON value atomically. */

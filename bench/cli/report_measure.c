@@ -225,7 +225,8 @@ static dif_status fit_table(const dif_report_job *job, dif_report_data *data, di
     if (job->is_grating)
         opts.n_ridge_max = DIF_FIT_RIDGE_MAX;
     dif_table part;
-    dif_status status = dif_table_cut(&data->table, job->f_min_per_um, job->f_max_per_um, fit_angle_max_rad, &part, err);
+    dif_status status =
+        dif_table_cut(&data->table, job->f_min_per_um, job->f_max_per_um, fit_angle_max_rad, &part, err);
     if (status != DIF_OK)
         return status;
     const clock_pair start = now();
@@ -327,6 +328,11 @@ dif_status dif_report_measure(const dif_report_job *job, dif_report_data *out, d
         add_stage_since(out, "comparison of methods", start);
     }
     start = now();
+    if (status == DIF_OK && job->want_slopes) {
+        status = dif_report_slopes_make(job, &out->slopes, err);
+        add_stage_since(out, "slopes and views", start);
+    }
+    start = now();
     if (status == DIF_OK && job->want_study) {
         status = dif_report_study_make(job, out, err);
         add_stage_since(out, "studies", start);
@@ -344,6 +350,7 @@ void dif_report_data_free(dif_report_data *data)
     dif_maxima_free(&data->maxima);
     dif_maxima_free(&data->on_line);
     dif_map_free(&data->map.map);
+    dif_report_slopes_free(&data->slopes);
     dif_report_study_free(&data->study);
     dif_release(data->line);
     *data = (dif_report_data){0};

@@ -103,7 +103,7 @@ static dif_status write_doc(const char *folder, const dif_report_job *job, const
     return status;
 }
 
-dif_status dif_report_write(const char *folder, const dif_report_job *job, const dif_report_data *data, bool *outside,
+dif_status dif_report_write(const char *folder, const dif_report_job *job, dif_report_data *data, bool *outside,
                             dif_error *err)
 {
     char path[PATH_SIZE];
@@ -128,6 +128,8 @@ dif_status dif_report_write(const char *folder, const dif_report_job *job, const
         status = write_lines(path, job, data, err);
     if (status == DIF_OK && data->map.map.n_pixel > 0)
         status = write_map(folder, job, data, err);
+    if (status == DIF_OK && data->slopes.slopes.square.n > 0)
+        status = dif_report_slopes_write(folder, job, &data->slopes, err);
     if (status == DIF_OK)
         status = dif_report_study_write(folder, job, &data->study, err);
     return status == DIF_OK ? write_doc(folder, job, data, outside, err) : status;

@@ -12,7 +12,8 @@ ok "the page is one file" [ "$(grep -c 'https\?:' page/index.html)" -eq 0 ]
 ok "no script" [ "$(grep -c '<script' page/index.html)" -eq 0 ]
 ok "the name is escaped" grep -q 'a&lt;b&gt;&amp;.gsf' page/index.html
 ok "the page ends" [ "$(tail -n 1 page/index.html)" = '</html>' ]
-for file in results.json report.json a-b.json a-b.height.exr a-b.table.exr a-b.table.csv a-b.maxima.csv a-b.lines.csv a-b.map.exr a-b.map.png a-b.map-level.png; do
+for file in results.json report.json a-b.json a-b.height.exr a-b.table.exr a-b.table.csv a-b.maxima.csv a-b.lines.csv a-b.map.exr a-b.map.png a-b.map-level.png \
+    a-b.slopes.png a-b.normals.png a-b.view.png; do
     ok "$file" [ -s "page/$file" ]
 done
 ok "no temporary file stays" [ -z "$(ls page | grep tmp)" ]
@@ -29,13 +30,19 @@ near "methods" "$(json surfaces.0.methods.rows#)" 9 0
 ok "the first is the sheet" [ "$(json surfaces.0.methods.rows.0.name)" = sheet ]
 near "whose error is small" "$(json surfaces.0.methods.rows.0.error_worst)" 0 1e-6
 near "whose colours are the reference" "$(json surfaces.0.methods.rows.0.de_worst)" 0 0
+# a sine of slope pi H / d along x: the visible area is that of its moments, the view is filtered
+near "slopes" "$(json surfaces.0.slopes.surface.sd_x)" 0.22 0.01
+near "none across" "$(json surfaces.0.slopes.surface.sd_y)" 0 1e-6
+ok "filtered is nearest to the truth" awk -v f="$(json surfaces.0.slopes.filtered.de_mean)" -v m="$(json surfaces.0.slopes.mean.de_mean)" 'BEGIN { exit !(f < m) }'
+
 near "maxima near the grating's period" "$(json surfaces.0.methods.rows.0.maxima_nm)" 2500 25
 
 # parts left out
-run 0 report --quiet --out less --no-map --no-methods $small 'a<b>&.gsf'
+run 0 report --quiet --out less --no-map --no-methods --no-slopes $small 'a<b>&.gsf'
 ok "no map" [ ! -e less/a-b.map.png ]
-ok "not on the page" bash -c '! grep -q "BRDF map\|Methods compared" less/index.html'
-ok "but there with it" bash -c '[ $(grep -c "<h3 id=\"s1-\(map\|methods\)\"" page/index.html) -eq 2 ]'
+ok "no slopes" [ ! -e less/a-b.slopes.png ]
+ok "not on the page" bash -c '! grep -q "BRDF map\|Methods compared\|from afar" less/index.html'
+ok "but there with it" bash -c '[ $(grep -c "<h3 id=\"s1-\(map\|methods\|slopes\)\"" page/index.html) -eq 3 ]'
 
 # the table of the report is the table of `table`
 run 0 table 'a<b>&.gsf' --theta-i-deg 75 $small --azimuth-deg 0 --layout matrix --out t.csv
@@ -58,7 +65,7 @@ mkdir keep
 mv day/* keep
 run 0 report --quiet --out day $small 'a<b>&.gsf'
 for file in index.html report.json results.json a-b.json a-b.maxima.csv a-b.lines.csv a-b.table.csv a-b.table.exr \
-    a-b.map.exr a-b.map.png a-b.map-level.png; do
+    a-b.map.exr a-b.map.png a-b.map-level.png a-b.slopes.png a-b.normals.png a-b.view.png; do
     ok "$file is the same again" cmp -s "day/$file" "keep/$file"
 done
 cp day/report.json out
