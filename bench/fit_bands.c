@@ -94,7 +94,7 @@ static void find_drift(const dif_field *field, double period_um, dif_fit_drift *
     drift->is_significant = fabs(drift->slope) > student_1_percent(n - 2) * drift->slope_sd;
 }
 
-/* Bands across the slow axis: those of the scatter if the wave runs along the lines, else as many as hold enough of it. */
+/* Bands of rows: those of the scatter if the wave runs along the lines, else as many as hold enough of it. */
 static dif_status follow_slow_axis(const dif_field *field, bool by_rows, double f_per_um, int n_part,
                                    const dif_fit_band *band, int n_band, dif_fit_surface_result *out, dif_error *err)
 {

@@ -81,12 +81,12 @@ typedef struct dif_prep_filled {
 } dif_prep_filled;
 
 /* Fills missing points from those around them. *out may be NULL.
- * Cost      O(missing points) times conjugate gradient steps, few for small holes: the start comes from coarser grids */
+ * Cost      O(missing points) a conjugate gradient step, few steps for small holes: the start comes from coarser grids */
 DIF_MUST_USE dif_status dif_prep_fill(dif_field *field, dif_prep_fill_method method, dif_prep_filled *out,
                                       dif_error *err);
 
-/* A part, in um from the LOWER LEFT corner of the field (y up): the samples whose centres lie in [x0, x1) x [y0, y1). At
- * least 2 x 2 of them. The new field has its own centre. */
+/* A part, in um from the LOWER LEFT corner of the field (y up): the samples whose centres lie in [x0, x1) x [y0, y1).
+ * At least 2 x 2 of them. The new field has its own centre. */
 typedef struct dif_prep_box {
     double x0_um, x1_um, y0_um, y1_um;
 } dif_prep_box;

@@ -109,7 +109,7 @@ cleanup:
     return status;
 }
 
-/* Sign of the deviation of rows iy ... iy + n_row - 1 at one column from both rows around them: 0 if within the limit. */
+/* Sign of the deviation of rows iy ... iy + n_row - 1 at one column from both rows around them: 0 within the limit. */
 static int scar_sign(const dif_field *field, int ix, int iy, int n_row, double most_um)
 {
     const size_t nx = (size_t)field->nx, at = (size_t)iy * nx + (size_t)ix;

@@ -3,8 +3,9 @@
  *   plate    sum (wx Dxx z)^2 + 2 wx wy (Dxy z)^2 + (wy Dyy z)^2     differences of neighbours, w the inverse squared
  *   laplace  sum wx (Dx z)^2 + wy (Dy z)^2                           pitches; only those that lie inside the field
  *
- * Both are quadratic, so conjugate gradients solve them; the start is the same problem on a grid of half the samples. Heights
- * of a scan are doubles here and stay doubles: an image library's inpainting would round them to 8 or 16 bits. */
+ * Both are quadratic, so conjugate gradients solve them; the start is the same problem on a grid of half the samples.
+ * Heights of a scan are doubles here and stay doubles: an image library's inpainting would round them to floats
+ * or integers. */
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
@@ -157,7 +158,7 @@ static void halve(const hole *h, const double *z, hole *half, double *coarse)
         }
 }
 
-/* Place of fine sample i between coarse samples: the lower one and the share of the next; at the ends the line goes on. */
+/* Place of fine sample i between coarse ones: the lower one and the share of the next; at the ends the line goes on. */
 static int between(int i, int n, double *share)
 {
     const double at = 0.5 * (i - 0.5);

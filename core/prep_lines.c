@@ -14,8 +14,8 @@ static double row_median(const double *z, const double *before, int nx, double *
     return dif_prep_median(room, n);
 }
 
-/* What each row is too high by. A row with nothing in it goes on with the offset of the one before; steps are taken from
- * the last row that shares a column with this one. */
+/* What each row is too high by. A row with nothing in it goes on with the offset of the one before; steps are taken
+ * from the last row that shares a column with this one. */
 static void find_offsets(const dif_field *field, dif_prep_lines_method method, double *offset, double *room)
 {
     const size_t nx = (size_t)field->nx;

@@ -81,7 +81,7 @@ dif_status dif_prep_rotate(dif_field *field, double angle_rad, dif_error *err)
     return dif_prep_regrid(field, &grid, err);
 }
 
-/* Fits as many periods into an extent as there is room for, on samples of at most `pitch_um`; without a period, samples. */
+/* As many periods as an extent has room for, on samples of at most `pitch_um`; without a period, as many samples. */
 static int cut_axis(double extent_um, double period_um, double pitch_um, int *n, double *pitch_out_um)
 {
     const bool is_periodic = period_um > 0.0;
