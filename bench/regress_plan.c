@@ -20,7 +20,7 @@ const char *dif_regress_method_name(int method)
 dif_regress_plan dif_regress_plan_default(void)
 {
     dif_regress_plan plan = {.wi = {0.0, 0.0, 1.0},
-                             .n_pixel = 96,
+                             .n_pixel = 97,
                              .lut = dif_lut_opts_default(),
                              .tol_lut = 1e-5,
                              .tol_device = 1e-7,

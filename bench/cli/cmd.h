@@ -19,8 +19,9 @@ enum {
  * line; the result is the exit code. */
 typedef int dif_cmd_fn(int argc, char **argv);
 
-dif_cmd_fn dif_cmd_convert, dif_cmd_eval, dif_cmd_fit, dif_cmd_fixture, dif_cmd_info, dif_cmd_lut, dif_cmd_map,
-    dif_cmd_maxima, dif_cmd_orders, dif_cmd_render, dif_cmd_report, dif_cmd_slopes, dif_cmd_table, dif_cmd_view;
+dif_cmd_fn dif_cmd_compare, dif_cmd_convert, dif_cmd_eval, dif_cmd_fit, dif_cmd_fixture, dif_cmd_info, dif_cmd_lut,
+    dif_cmd_map, dif_cmd_maxima, dif_cmd_orders, dif_cmd_render, dif_cmd_report, dif_cmd_slopes, dif_cmd_table,
+    dif_cmd_view;
 
 /* The exit code of a status. */
 int dif_exit_from_status(dif_status status);

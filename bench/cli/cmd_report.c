@@ -1,14 +1,11 @@
 /* diffbench report --out DIR [SURFACE...]: everything, one page. */
-#define _POSIX_C_SOURCE 200809L /* mkdir */
-
-#include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "bench/cli/cli.h"
+#include "bench/cli/folder.h"
+#include "bench/cli/plane.h"
 #include "bench/cli/report_job.h"
 #include "bench/scan.h"
 #include "core/units.h"
@@ -123,28 +120,6 @@ static dif_status load_fixture(const dif_cli *cli, int i, dif_report_job *job, d
     return status ? status : describe_fixture(cli, &surface, job, err);
 }
 
-/* A name for files: letters, digits, dashes of the file's name, with the surface's number if there are several. */
-static void make_slug(const char *path, int number, int n_surface, char slug[64])
-{
-    const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    int n = 0;
-    if (n_surface > 1)
-        n = snprintf(slug, 64, "%d-", number);
-    const char *dot = strrchr(name, '.');
-    for (; *name && name != dot && n < 60; name++) {
-        const unsigned char c = (unsigned char)*name;
-        if (isalnum(c) && c < 0x80)
-            slug[n++] = (char)tolower(c);
-        else if (n > 0 && slug[n - 1] != '-')
-            slug[n++] = '-';
-    }
-    while (n > 0 && slug[n - 1] == '-')
-        n--;
-    slug[n] = '\0';
-    if (n == 0 || strcmp(slug, "results") == 0 || strcmp(slug, "report") == 0)
-        snprintf(slug, 64, "surface-%d", number);
-}
-
 /* Is it one of our own gratings? kind is what `fixture` wrote into its file, or NULL. */
 static bool is_grating_kind(const char *kind)
 {
@@ -162,7 +137,7 @@ static dif_status load_file(const dif_cli *cli, const report_args *args, int i, 
     dif_progress none = dif_progress_begin("", true);
     job->opts = dif_cli_measure_opts(cli, &args->measure, &file, &none);
     snprintf(job->title, sizeof job->title, "%s", name);
-    make_slug(path, i + 1, cli->n_operand, job->slug);
+    dif_folder_slug(path, i + 1, cli->n_operand, job->slug);
     snprintf(job->description, sizeof job->description, "Surface read from a %s file%s%s.%s%s", file.format,
              file.title[0] ? ", titled " : "", file.title, file.warning[0] ? " " : "", file.warning);
     job->known_period_um = NAN;
@@ -177,27 +152,16 @@ static dif_status load_file(const dif_cli *cli, const report_args *args, int i, 
     return status;
 }
 
-/* The plane of incidence crosses the strongest structure unless the user says where it lies; spatial frequencies below
- * half of that structure's, as the plane sees it, are left to the mirror beam. */
 static dif_status choose_plane(const report_args *args, dif_report_job *job, double *azimuth_deg, dif_error *err)
 {
-    dif_spectrum_peak peak = {.period_um = job->grating.period_um, .psi_rad = job->grating.psi_rad};
-    int n = job->has_grating;
-    const dif_status status = n ? DIF_OK : dif_fit_spectrum_peaks(&job->field, 1, &peak, &n, err);
-    if (status)
-        return status;
-    const bool chosen = !isnan(args->azimuth_deg);
-    *azimuth_deg = chosen ? args->azimuth_deg : n > 0 ? dif_deg_from_rad(peak.psi_rad) : 0.0;
-    /* eight rms widths of the line of the default window, where there is no structure to go by */
-    job->f_min_per_um = 8.0 / (2.0 * sqrt(2.0) * DIF_PI * job->opts.sigma_um);
-    job->f_max_per_um = INFINITY;
-    if (n > 0) {
-        const double f_per_um = fabs(cos(peak.psi_rad - dif_rad_from_deg(*azimuth_deg))) / peak.period_um;
-        job->f_min_per_um = fmax(job->f_min_per_um, 0.5 * f_per_um);
-        if (job->is_grating) /* orders 1 to 3 */
-            job->f_max_per_um = fmax(3.5 * f_per_um, 2.0 * job->f_min_per_um);
-    }
-    return DIF_OK;
+    const dif_spectrum_peak known = {.period_um = job->grating.period_um, .psi_rad = job->grating.psi_rad};
+    dif_cli_plane plane;
+    const dif_status status = dif_cli_plane_choose(&job->field, job->has_grating ? &known : NULL, job->is_grating,
+                                                   job->opts.sigma_um, args->azimuth_deg, &plane, err);
+    *azimuth_deg = plane.azimuth_deg;
+    job->f_min_per_um = plane.f_min_per_um;
+    job->f_max_per_um = plane.f_max_per_um;
+    return status;
 }
 
 static dif_status load(const dif_cli *cli, const report_args *args, int i, dif_report_job *job, dif_error *err)
@@ -256,17 +220,6 @@ static dif_status run_surface(const dif_cli *cli, const report_args *args, int i
     return status;
 }
 
-static dif_status make_folder(const char *path, dif_error *err)
-{
-    struct stat about;
-    if (mkdir(path, 0777) == 0)
-        return DIF_OK;
-    const int why = errno;
-    if (why == EEXIST && stat(path, &about) == 0 && S_ISDIR(about.st_mode))
-        return DIF_OK;
-    return dif_fail(err, DIF_ERR_IO, "%s: cannot make the folder: %s", path, strerror(why));
-}
-
 static dif_status write_list(const dif_cli *cli, const report_args *args, json_t *names, dif_error *err)
 {
     dif_manifest manifest;
@@ -298,7 +251,7 @@ static dif_status measure_all(const dif_cli *cli, const report_args *args, int *
 {
     const int n = cli->n_operand > 0 ? cli->n_operand : DIF_COUNT(FIXTURES);
     json_t *names = json_array();
-    dif_status status = names ? make_folder(args->out, err) : dif_fail(err, DIF_ERR_NOMEM, "list of surfaces");
+    dif_status status = names ? dif_folder_make(args->out, err) : dif_fail(err, DIF_ERR_NOMEM, "list of surfaces");
     for (int i = 0; !status && i < n; i++)
         status = run_surface(cli, args, i, names, n_outside, err);
     if (!status)

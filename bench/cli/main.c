@@ -22,6 +22,7 @@ static const dif_cmd COMMANDS[] = {
     {"eval", dif_cmd_eval, "measure arbitrary directions and wavelengths"},
     {"map", dif_cmd_map, "measure all directions for one direction of light, in colour"},
     {"lut", dif_cmd_lut, "build the wavelength-integrated table of a surface, or read colours from one"},
+    {"compare", dif_cmd_compare, "hold the GPU's shaders against the CPU"},
     {"render", dif_cmd_render, "draw a mesh that wears a surface"},
     {"slopes", dif_cmd_slopes, "slopes of a surface, which of them are seen, normals and masking"},
     {"view", dif_cmd_view, "false-colour picture of a surface from any distance, without aliasing"},
