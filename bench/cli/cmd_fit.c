@@ -165,6 +165,12 @@ static dif_status fit_table(const dif_cli *cli, const fit_args *args, dif_cli_in
     opts.period_start_um = args->period_start_nm * 1e-3; /* NaN stays NaN */
     if (args->part_given)
         opts.n_part = args->n_part;
+    const char *shadowing = dif_manifest_get(&input->manifest, "shadowing");
+    if (shadowing && input->table.quantity != DIF_QUANTITY_POWER)
+        dif_cli_say(cli,
+                    "the table holds %s shadowing, whose slope across a line the fit takes for the surface's own: "
+                    "periods are surer from tables without --shadowing",
+                    shadowing);
     return dif_fit_table(&input->table, &opts, result, err);
 }
 

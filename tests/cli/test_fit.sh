@@ -48,6 +48,13 @@ refuses 1 'fit: flat.gsf: no period: ' fit flat.gsf
 run 0 fixture random --pixels 128 --size-um 20 --seed 3 --out random.gsf
 refuses 1 'fit: random.gsf: no period: ' fit random.gsf
 
+# shadowing scales lines: said, and the period moves by less than its uncertainty
+run 0 fixture blazed --period-nm 2500 --height-nm 250 --size-um 40 --pixels 800 --out dark.gsf
+run 0 table dark.gsf --theta-i-deg 75 --angle-deg -55:-40:0.1 --lambda-nm 380:780:20 --shadowing smith --out dark.csv
+run 0 fit dark.csv --json
+err_has '^fit: the table holds smith shadowing'
+near "period of a shadowed table" "$(json period_nm)" 2500 0.5
+
 refuses 3 'fit: none.csv: ' fit none.csv
 refuses 2 "fit: --ridges '17': out of range, expected at least 1 and at most 16" fit b.csv --ridges 17
 refuses 2 "fit: --parts '1': out of range" fit b.csv --parts 1
