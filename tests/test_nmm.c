@@ -168,6 +168,21 @@ static void test_check__bad_values_have_their_codes(void **state)
     assert_int_equal(dif_nmm_check(&nmm, &err), DIF_OK);
 }
 
+static void test_bins__are_those_of_the_wavelengths(void **state)
+{
+    (void)state;
+    const dif_nmm nmm = {
+        .extent_um = 65.0, .lambda_min_um = 0.38, .lambda_max_um = 0.78, .n_fixed = 8, .jacobian = true};
+    static double lambda_um[400], weight_um[400];
+    for (double s = 0.0; s <= 2.0; s += 0.01) {
+        int first = 0;
+        const int bins = dif_nmm_bins(&nmm, s, &first), n = dif_nmm_wavelengths(&nmm, s, lambda_um, weight_um);
+        assert_int_equal(n, bins > 0 ? bins : nmm.n_fixed);
+        if (bins > 0)
+            assert_near(lambda_um[0], nmm.extent_um * s / first, 1e-15, 0.0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -180,6 +195,7 @@ int main(void)
         cmocka_unit_test(test_weights__a_mirror_is_white),
         cmocka_unit_test(test_weights__without_the_jacobian_a_mirror_is_purple),
         cmocka_unit_test(test_check__bad_values_have_their_codes),
+        cmocka_unit_test(test_bins__are_those_of_the_wavelengths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
