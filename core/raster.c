@@ -219,6 +219,21 @@ static void mix_uv(const dif_mesh *mesh, const int triangle[3], const flat *f, c
     }
 }
 
+/* How the unit normal changes over a pixel. */
+static void mix_normal(const dif_mesh *mesh, const int triangle[3], const flat *f, dif_vec3 mean, dif_hit *hit)
+{
+    const double length = sqrt(dif_vec3_dot(mean, mean)), scale = length > 0.0 ? hit->depth / length : 0.0;
+    const dif_vec3 n = dif_vec3_unit(mean);
+    for (int axis = 0; axis < 2; axis++) {
+        dif_vec3 change = {0.0, 0.0, 0.0};
+        for (int i = 0; i < 3; i++)
+            change =
+                dif_vec3_add(change, scale * f->weight[i][axis], dif_vec3_add(mesh->normal[triangle[i]], -1.0, mean));
+        change = dif_vec3_add(change, -dif_vec3_dot(change, n), n);
+        *(axis == 0 ? &hit->normal_dx : &hit->normal_dy) = change;
+    }
+}
+
 bool dif_raster_hit(const dif_scene *scene, const dif_gbuffer *gbuffer, int ix, int iy, dif_hit *hit)
 {
     const int t = gbuffer->triangle[(size_t)iy * (size_t)gbuffer->nx + (size_t)ix];
@@ -238,8 +253,9 @@ bool dif_raster_hit(const dif_scene *scene, const dif_gbuffer *gbuffer, int ix, 
     hit->depth = 1.0 / sum;
     hit->position = mix(mesh->position, mesh->triangle[t], share);
     hit->to_eye = dif_vec3_unit(dif_vec3_add(scene->camera.eye, -1.0, hit->position));
-    hit->frame = dif_scene_frame(mix(mesh->normal, mesh->triangle[t], share),
-                                 mix(mesh->tangent, mesh->triangle[t], share), scene->groove_rad);
+    const dif_vec3 normal = mix(mesh->normal, mesh->triangle[t], share);
+    hit->frame = dif_scene_frame(normal, mix(mesh->tangent, mesh->triangle[t], share), scene->groove_rad);
+    mix_normal(mesh, mesh->triangle[t], &f, normal, hit);
     if (mesh->uv)
         mix_uv(mesh, mesh->triangle[t], &f, share, hit->depth, hit);
     return true;

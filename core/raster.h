@@ -38,10 +38,11 @@ DIF_MUST_USE dif_status dif_raster_draw(const dif_scene *scene, const dif_subsam
 /* The mesh at a pixel. */
 typedef struct dif_hit {
     dif_vec3 position;
-    dif_frame3 frame;          /* of the turned patch                                       */
-    dif_vec3 to_eye;           /* unit                                                      */
-    double uv[2];              /* 0 without texture coordinates                             */
-    double uv_dx[2], uv_dy[2]; /* change of uv per pixel to the right and per pixel DOWN    */
+    dif_frame3 frame;              /* of the turned patch                                       */
+    dif_vec3 to_eye;               /* unit                                                      */
+    double uv[2];                  /* 0 without texture coordinates                             */
+    double uv_dx[2], uv_dy[2];     /* change of uv per pixel to the right and per pixel DOWN    */
+    dif_vec3 normal_dx, normal_dy; /* the same of the normal                                   */
     double depth;
 } dif_hit;
 

@@ -26,81 +26,6 @@ static const dif_cli_help HELP = {
     "ball.png\n",
 };
 
-static void add_scene_options(dif_cli *cli, dif_render_args *args)
-{
-    const dif_opt opts[] = {
-        {"Scene", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
-        {"mesh", DIF_OPT_TEXT, &args->mesh, NULL, "M", "plane, disc, cylinder, sphere, snake (default) or FILE.obj",
-         NULL},
-        {"detail", DIF_OPT_INT, &args->detail, "[1, 16]", "N", "fineness of a built-in mesh (default 2)", NULL},
-        {"groove-deg", DIF_OPT_REAL, &args->groove_deg, "[-360, 360]", "DEG",
-         "turns the patch on the mesh, counter-clockwise seen from outside (default 0; snake 90)", NULL},
-        {"camera", DIF_OPT_TEXT, &args->camera, NULL, "THETA,PHI[,DISTANCE]",
-         "degrees, and the distance in radii of the mesh (default: by mesh, and what shows it all)", NULL},
-        {"fov-deg", DIF_OPT_REAL, &args->fov_deg, "[1, 150]", "DEG", "field of view, top to bottom (default 30)", NULL},
-        {"light-deg", DIF_OPT_LIST, &args->light_deg, NULL, "THETA,PHI",
-         "direction to a distant light; up to 8 times (default: by mesh)", NULL},
-        {"base-colour", DIF_OPT_TEXT, &args->base_colour, NULL, "F.png|RRGGBB",
-         "diffuse colour under the diffraction, a picture in texture coordinates or one colour (default: black)", NULL},
-        {"turntable", DIF_OPT_INT, &args->n_turn, "[2, 10000]", "N", "N frames of one turn about the vertical", NULL},
-        {"light-sweep", DIF_OPT_RANGE, &args->sweep_deg, "[-180, 180]", "A:B:STEP",
-         "a frame for each theta of the first light", &args->has_sweep},
-    };
-    dif_cli_add(cli, opts, DIF_COUNT(opts));
-}
-
-static void add_method_options(dif_cli *cli, dif_render_args *args)
-{
-    dif_cli_measure *measure = &args->measure;
-    const dif_opt opts[] = {
-        {"Method", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
-        {"method", DIF_OPT_CHOICE, &args->method, "lut|sheet|nmm|stam", NULL,
-         "lut: the integrated table (default); sheet: every wavelength; nmm: few; stam: bumps without a profile", NULL},
-        {"tol", DIF_OPT_REAL, &measure->tol, "[1e-14, 1)", "TOL", "wanted amplitude error (default 1e-4)", NULL},
-        {"lambda-nm", DIF_OPT_RANGE, &args->lambda_nm, "(0, inf)", "MIN:MAX:STEP", "wavelengths (default 380:780:5)",
-         NULL},
-        {"sigma-um", DIF_OPT_REAL, &measure->sigma_um, "(0, inf)", "UM", "of the coherence window (default 16.25)",
-         NULL},
-        {"average", DIF_OPT_CHOICE, &measure->average, "none|welch", NULL,
-         "none: one window, whose speckle shows; welch (default): what a pixel with many windows sees", NULL},
-        {"grating-nm", DIF_OPT_REAL, &measure->period_nm, "(0, inf)", "NM",
-         "stam: the period along the patch's x (default: fitted to the heights)", NULL},
-        {"azimuths", DIF_OPT_INT, &args->n_azimuth, "[16, 16384]", "N", "lut: columns (default 4096)", NULL},
-        {"radii", DIF_OPT_INT, &args->n_radius, "[8, 4096]", "N", "lut: rows (default 320)", NULL},
-        {"source-deg", DIF_OPT_REAL, &args->source_deg, "[0, 28]", "DEG",
-         "lut: angular diameter of the light (default 0.53, the sun; with --contact-sheet 0)", NULL},
-        {"shadowing", DIF_OPT_CHOICE, &args->shadowing, "none|vcavity|smith|ndf", NULL,
-         "shadowing and masking (default vcavity)", NULL},
-        {"n", DIF_OPT_REAL, &measure->index_n, "(0, inf)", "N", "refractive index (default 1.5)", NULL},
-        {"kappa", DIF_OPT_REAL, &measure->index_kappa, "[0, inf)", "K", "its extinction (default 0)", NULL},
-    };
-    dif_cli_add(cli, opts, DIF_COUNT(opts));
-}
-
-static void add_picture_options(dif_cli *cli, dif_render_args *args)
-{
-    const dif_opt opts[] = {
-        {"Picture", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
-        {"out", DIF_OPT_TEXT, &args->out, NULL, "F", "F.png or F.exr (needed)", NULL},
-        {"size", DIF_OPT_TEXT, &args->size, NULL, "WxH", "pixels (default 1280x720)", NULL},
-        {"samples", DIF_OPT_INT, &args->n_sub, "[1, 64]", "N", "N x N samples a pixel (default 2)", NULL},
-        {"exposure", DIF_OPT_TEXT, &args->exposure, NULL, "V",
-         "factor on the diffracted light, 1 shows a mirror under one light as white; auto (default): 2 % of the mesh's "
-         "pixels are above white; frames of one run share the first one's",
-         NULL},
-        {"gamut", DIF_OPT_CHOICE, &args->gamut, "clip|desaturate", NULL,
-         "colours that sRGB lacks are cut off, or mixed with the grey of their luminance (default)", NULL},
-        {"ground", DIF_OPT_REAL, &args->ground, "[0, 1]", "Y", "PNG: grey behind the mesh, linear (default 0.01)",
-         NULL},
-        {"contact-sheet", DIF_OPT_FLAG, &args->contact_sheet, NULL, NULL,
-         "lut, sheet, nmm and stam side by side; F.png", NULL},
-        {"cpu", DIF_OPT_FLAG, &args->cpu, NULL, NULL, "render in double precision on the CPU, not on the GPU", NULL},
-        {"require-hardware", DIF_OPT_FLAG, &args->require_hardware, NULL, NULL,
-         "a software renderer instead of a GPU is an error (exit 4)", NULL},
-    };
-    dif_cli_add(cli, opts, DIF_COUNT(opts));
-}
-
 static bool ends_in(const char *path, const char *end)
 {
     const size_t n = strlen(path), n_end = strlen(end);
@@ -257,6 +182,17 @@ static dif_status draw_sheet(const dif_cli *cli, const dif_render_args *args, re
     return status ? status : dif_frame_write_sheet(args->out, DIF_RENDER_METHODS, cell, 2, &look, &run->manifest, err);
 }
 
+static dif_status draw_study(const dif_cli *cli, const dif_render_args *args, render_run *run, dif_error *err)
+{
+    dif_status status =
+        dif_render_engine_open(cli, args, &run->source, &run->scene, NULL, DIF_RENDER_LUT, &run->engine[0], err);
+    if (!status)
+        status = dif_render_describe(cli, args, &run->source, &run->scene, &run->engine[0], &run->manifest, err);
+    note_renderer(run);
+    return status ? status
+                  : dif_render_study(cli, args, &run->source, &run->scene, &run->engine[0], &run->manifest, err);
+}
+
 static dif_status open_gpu(const dif_render_args *args, render_run *run, dif_error *err)
 {
     const dif_gpu_opts opts = {.require_hardware = args->require_hardware};
@@ -271,7 +207,7 @@ static int execute(const dif_cli *cli, const dif_render_args *args)
 {
     dif_error err = {0};
     render_run run = {.n_frame = args->n_turn > 0 ? args->n_turn : args->has_sweep ? args->sweep_deg.n : 1};
-    dif_status status = dif_cli_check_out(args->out, &err);
+    dif_status status = args->study ? DIF_OK : dif_cli_check_out(args->out, &err);
     if (!status)
         status = dif_render_scene_make(args, &run.scene, &err);
     if (!status)
@@ -279,7 +215,9 @@ static int execute(const dif_cli *cli, const dif_render_args *args)
     if (!status)
         status = dif_render_source_read(cli, args, &run.source, &err);
     if (!status)
-        status = args->contact_sheet ? draw_sheet(cli, args, &run, &err) : draw_frames(cli, args, &run, &err);
+        status = args->study           ? draw_study(cli, args, &run, &err)
+                 : args->contact_sheet ? draw_sheet(cli, args, &run, &err)
+                                       : draw_frames(cli, args, &run, &err);
     int code = DIF_EXIT_DONE;
     if (status) {
         code = dif_cmd_fail(cli->verb, &err);
@@ -297,8 +235,21 @@ static int execute(const dif_cli *cli, const dif_render_args *args)
     return code;
 }
 
+static int check_filter(const dif_cli *cli, dif_render_args *args)
+{
+    if (args->filter == DIF_FILTER_SLOPES && (args->method != DIF_RENDER_LUT || args->contact_sheet))
+        return dif_cmd_usage(cli->verb, "--filter slopes averages the table, expected --method lut");
+    if (isnan(args->source_deg))
+        args->source_deg = args->contact_sheet ? 0.0 : 0.53;
+    return DIF_CLI_GO;
+}
+
 static int check_args(const dif_cli *cli, dif_render_args *args)
 {
+    if (args->study && (args->out || args->method != DIF_RENDER_LUT || !args->meso || !args->cpu))
+        return dif_cmd_usage(cli->verb, "--filter-study needs --mesostructure, --cpu and --method lut, and no --out");
+    if (args->study)
+        return check_filter(cli, args);
     if (!args->out)
         return dif_cmd_usage(cli->verb, "nowhere to put the picture, expected --out F.png or F.exr");
     if (!ends_in(args->out, ".exr") && !ends_in(args->out, ".png"))
@@ -313,9 +264,7 @@ static int check_args(const dif_cli *cli, dif_render_args *args)
         (!dif_number_all(args->exposure, strlen(args->exposure), '.', &args->exposure_value) ||
          !(args->exposure_value > 0.0 && isfinite(args->exposure_value))))
         return dif_cmd_usage(cli->verb, "--exposure '%s': expected a number > 0 or auto", args->exposure);
-    if (isnan(args->source_deg))
-        args->source_deg = args->contact_sheet ? 0.0 : 0.53;
-    return DIF_CLI_GO;
+    return check_filter(cli, args);
 }
 
 int dif_cmd_render(int argc, char **argv)
@@ -325,7 +274,11 @@ int dif_cmd_render(int argc, char **argv)
                             .shadowing = DIF_SHADOWING_VCAVITY,
                             .gamut = DIF_GAMUT_DESATURATE,
                             .detail = 2,
-                            .n_sub = 2,
+                            .n_sub = DIF_RENDER_SAMPLES_BY_FILTER,
+                            .meso_tiles = 4.0,
+                            .meso_scale = 1.0,
+                            .meso_pixel_um = NAN,
+                            .meso_height_um = NAN,
                             .n_azimuth = 4096,
                             .n_radius = 320,
                             .groove_deg = NAN,
@@ -337,10 +290,7 @@ int dif_cmd_render(int argc, char **argv)
     dif_cli cli;
     args.measure.tol = 1e-4;
     dif_cli_begin(&cli, argc, argv, &HELP);
-    add_scene_options(&cli, &args);
-    add_method_options(&cli, &args);
-    add_picture_options(&cli, &args);
-    dif_cli_add_surface(&cli, &args.surface);
+    dif_render_add_options(&cli, &args);
     int code = dif_cli_parse(&cli, 1, 1);
     if (code == DIF_CLI_GO)
         code = check_args(&cli, &args);

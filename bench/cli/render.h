@@ -27,8 +27,10 @@ typedef struct dif_render_args {
     dif_cli_surface surface;
     dif_cli_measure measure;
     int method, shadowing, gamut;
-    const char *mesh, *camera, *size, *base_colour, *exposure, *out;
+    const char *mesh, *camera, *size, *base_colour, *exposure, *out, *meso, *study;
     dif_opt_list light_deg;
+    int filter; /* dif_filter, or DIF_RENDER_SUPERSAMPLE */
+    double meso_tiles, meso_scale, meso_pixel_um, meso_height_um;
     int detail, n_sub, n_azimuth, n_radius, n_turn;
     double groove_deg, fov_deg, source_deg, ground;
     dif_range lambda_nm, sweep_deg;
@@ -37,6 +39,10 @@ typedef struct dif_render_args {
 } dif_render_args;
 
 #define DIF_RENDER_EXPOSURE_AUTO (-1.0)
+enum { DIF_RENDER_SUPERSAMPLE = 3, DIF_RENDER_SUPERSAMPLES = 32, DIF_RENDER_SAMPLES_BY_FILTER = 0 };
+
+/* Adds all options. */
+void dif_render_add_options(dif_cli *cli, dif_render_args *args);
 
 /* A scene and what it points to. */
 typedef struct dif_render_scene {
@@ -64,6 +70,8 @@ typedef struct dif_render_source {
     dif_lut lut;
     dif_manifest lut_manifest; /* of the table's file */
     dif_shadow shadow;
+    dif_field_file meso_file;
+    dif_meso meso;     /* moment[0] NULL: none */
     double *lambda_um; /* of args->lambda_nm */
 } dif_render_source;
 
@@ -79,6 +87,7 @@ typedef struct dif_render_engine {
     dif_model_built built; /* of a surface             */
     dif_evaluator evaluator;
     dif_gpu_renderer *renderer;
+    dif_lut_filter blurred; /* lut with the filter slopes */
     dif_measure_opts opts;
     double bound;
     int n_window;
@@ -94,10 +103,20 @@ void dif_render_engine_close(dif_render_engine *engine);
 /* "cpu", or the GPU's renderer string and path. */
 const char *dif_render_engine_name(const dif_render_engine *engine);
 
+/* The options of core/shade.h for what was asked. */
+dif_shade_opts dif_render_shade_opts(const dif_render_args *args, const dif_render_source *source,
+                                     const dif_render_engine *engine, dif_progress *progress);
+
 /* Draws a frame. */
 DIF_MUST_USE dif_status dif_render_draw(const dif_render_args *args, const dif_render_source *source,
                                         const dif_render_engine *engine, const dif_scene *scene, dif_progress *progress,
                                         dif_frame *frame, dif_eval_cost *cost, dif_error *err);
+
+/* All filters at zooms 1, 4, 16 and 64 (tiles of the mesostructure that much smaller) against many samples a pixel:
+ * FOLDER/filters.png and FOLDER/filters.csv, whose lines are also said. Status as dif_shade_draw, DIF_ERR_IO. */
+DIF_MUST_USE dif_status dif_render_study(const dif_cli *cli, const dif_render_args *args,
+                                         const dif_render_source *source, const dif_render_scene *scene,
+                                         const dif_render_engine *engine, const dif_manifest *manifest, dif_error *err);
 
 /* What a picture says of itself. */
 DIF_MUST_USE dif_status dif_render_describe(const dif_cli *cli, const dif_render_args *args,

@@ -53,10 +53,19 @@ static dif_status describe_surface(const dif_render_args *args, const dif_render
     return status ? status : dif_manifest_setf(out, err, "source_diameter_deg", "%.12g", args->source_deg);
 }
 
+static dif_status describe_meso(const dif_render_args *args, dif_manifest *out, dif_error *err)
+{
+    return args->meso ? dif_manifest_setf(out, err, "mesostructure", "%s, %.9g tiles, slopes times %.9g", args->meso,
+                                          args->meso_tiles, args->meso_scale)
+                      : DIF_OK;
+}
+
 dif_status dif_render_describe(const dif_cli *cli, const dif_render_args *args, const dif_render_source *source,
                                const dif_render_scene *scene, const dif_render_engine *engine, dif_manifest *out,
                                dif_error *err)
 {
+    static const char *const FILTERS[] = {"none", "mip", "slopes", "supersample"};
+    const dif_shade_opts how = dif_render_shade_opts(args, source, engine, NULL);
     dif_status status = dif_cli_manifest(cli, cli->operand[0], out, err);
     if (!status)
         status = source->is_lut ? describe_table(&source->lut_manifest, out, err)
@@ -66,7 +75,10 @@ dif_status dif_render_describe(const dif_cli *cli, const dif_render_args *args, 
     if (status || (status = dif_manifest_set(out, "method", dif_render_method_name(engine->method), err)) ||
         (status = dif_manifest_set(out, "renderer", dif_render_engine_name(engine), err)) ||
         (status = dif_manifest_set(out, "shadowing", dif_shadowing_name(source->shadow.kind), err)) ||
-        (status = dif_manifest_setf(out, err, "samples_per_pixel", "%d x %d", args->n_sub, args->n_sub)) ||
+        (status = dif_manifest_setf(out, err, "samples_per_pixel", "%d x %d%s", how.n_sub, how.n_sub,
+                                    how.jitter ? " random" : "")) ||
+        (status = dif_manifest_set(out, "filter", FILTERS[args->filter], err)) ||
+        (status = describe_meso(args, out, err)) ||
         (status = dif_manifest_set(out, "exposure_by", args->exposure_value > 0.0 ? "user" : "auto", err)) ||
         (status = dif_manifest_set(out, "colour", "linear sRGB, D65; a mirror under one light is 1 / exposure", err)))
         return status;

@@ -11,6 +11,7 @@
 
 static const size_t INPUT_BYTES_MAX = (size_t)1 << 33;
 static const size_t SNIFF_BYTES = 1 << 16;
+enum { BLURRED_SIDE = 512 };
 
 static const dif_model_kind KINDS[] = {[DIF_RENDER_LUT] = DIF_MODEL_LUT,
                                        [DIF_RENDER_SHEET] = DIF_MODEL_SHEET,
@@ -48,6 +49,21 @@ static dif_status read_input(const dif_cli *cli, const dif_render_args *args, di
     return out->is_lut ? status : dif_cli_surface_read(cli, path, &args->surface, &out->file, err);
 }
 
+static dif_status read_meso(const dif_cli *cli, const dif_render_args *args, dif_render_source *out, dif_error *err)
+{
+    dif_cli_surface about = dif_cli_surface_default();
+    if (!args->meso)
+        return DIF_OK;
+    about.pixel_nm = args->meso_pixel_um * 1e3;
+    about.height_um = args->meso_height_um;
+    dif_status status = dif_cli_surface_read(cli, args->meso, &about, &out->meso_file, err);
+    if (status == DIF_ERR_SCALE)
+        status = dif_fail(err, status, "%s: no scale, expected --meso-pixel-um and, for images, --meso-height-um",
+                          args->meso);
+    return status ? status
+                  : dif_meso_create(&out->meso_file.field, args->meso_scale, args->meso_tiles, &out->meso, err);
+}
+
 dif_status dif_render_source_read(const dif_cli *cli, const dif_render_args *args, dif_render_source *out,
                                   dif_error *err)
 {
@@ -66,6 +82,9 @@ dif_status dif_render_source_read(const dif_cli *cli, const dif_render_args *arg
     status = dif_shadow_create(kind, out->is_lut ? NULL : &out->file.field, &out->shadow, err);
     if (status)
         return status;
+    status = read_meso(cli, args, out, err);
+    if (status)
+        return status;
     out->lambda_um = dif_alloc((size_t)n, sizeof *out->lambda_um);
     if (!out->lambda_um)
         return dif_fail(err, DIF_ERR_NOMEM, "no memory for %d wavelengths", n);
@@ -80,6 +99,8 @@ void dif_render_source_free(dif_render_source *source)
     dif_lut_free(&source->lut);
     dif_manifest_free(&source->lut_manifest);
     dif_shadow_free(&source->shadow);
+    dif_field_file_free(&source->meso_file);
+    dif_meso_free(&source->meso);
     dif_release(source->lambda_um);
 }
 
@@ -106,6 +127,11 @@ static dif_status build(const dif_cli *cli, const dif_render_args *args, const d
     out->bound = out->built.bound;
     out->n_window = out->built.n_window;
     return status;
+}
+
+static bool wants_blurred(const dif_render_args *args)
+{
+    return args->filter == DIF_FILTER_SLOPES || args->study;
 }
 
 /* The reader of a model that is there. */
@@ -135,6 +161,9 @@ dif_status dif_render_engine_open(const dif_cli *cli, const dif_render_args *arg
         status = build(cli, args, source, out, err);
     if (!status)
         status = open_reader(source->is_lut ? &out->model : &out->built.model, source, scene, gpu, out, err);
+    const dif_lut *lut = source->is_lut ? out->model.lut : out->built.model.lut;
+    if (!status && method == DIF_RENDER_LUT && wants_blurred(args))
+        status = dif_lut_filter_create(lut, BLURRED_SIDE, &out->blurred, err);
     if (status)
         dif_render_engine_close(out);
     return status;
@@ -144,6 +173,7 @@ void dif_render_engine_close(dif_render_engine *engine)
 {
     dif_gpu_renderer_close(engine->renderer);
     dif_evaluator_close(&engine->evaluator);
+    dif_lut_filter_free(&engine->blurred);
     dif_model_built_free(&engine->built);
     engine->renderer = NULL;
 }
@@ -153,15 +183,28 @@ const char *dif_render_engine_name(const dif_render_engine *engine)
     return engine->renderer ? dif_gpu_renderer_name(engine->renderer) : engine->evaluator.name;
 }
 
+dif_shade_opts dif_render_shade_opts(const dif_render_args *args, const dif_render_source *source,
+                                     const dif_render_engine *engine, dif_progress *progress)
+{
+    const bool many = args->filter == DIF_RENDER_SUPERSAMPLE;
+    dif_shade_opts how = dif_shade_opts_default();
+    how.n_sub = args->n_sub != DIF_RENDER_SAMPLES_BY_FILTER ? args->n_sub : many ? DIF_RENDER_SUPERSAMPLES : 2;
+    how.jitter = many;
+    how.filter = many ? DIF_FILTER_NONE : (dif_filter)args->filter;
+    how.meso = source->meso.moment[0] ? &source->meso : NULL;
+    how.blurred = engine->blurred.coef[0] ? &engine->blurred : NULL;
+    how.index = (dif_index){.n = args->measure.index_n, .kappa = args->measure.index_kappa};
+    how.shadow = &source->shadow;
+    how.progress = progress ? dif_progress_draw : NULL;
+    how.progress_self = progress;
+    return how;
+}
+
 dif_status dif_render_draw(const dif_render_args *args, const dif_render_source *source,
                            const dif_render_engine *engine, const dif_scene *scene, dif_progress *progress,
                            dif_frame *frame, dif_eval_cost *cost, dif_error *err)
 {
-    dif_shade_opts how = dif_shade_opts_default();
-    how.n_sub = args->n_sub;
-    how.shadow = &source->shadow;
-    how.progress = progress ? dif_progress_draw : NULL;
-    how.progress_self = progress;
+    const dif_shade_opts how = dif_render_shade_opts(args, source, engine, progress);
     if (engine->renderer)
         return dif_gpu_renderer_draw(engine->renderer, scene, &how, frame, cost, err);
     return dif_shade_draw(scene, &engine->evaluator, &how, frame, cost, err);

@@ -22,7 +22,7 @@ static const struct {
     [DIF_MESH_DISC] = {{45.0, -90.0, 0.8}, 1, {{30.0, 60.0}}, 0.0},
     [DIF_MESH_CYLINDER] = {{60.0, -90.0, 0.8}, 1, {{30.0, -60.0}}, 0.0},
     [DIF_MESH_SPHERE] = {{75.0, -90.0, 1.0}, 1, {{40.0, -50.0}}, 0.0},
-    [DIF_MESH_SNAKE] = {{48.0, -90.0, 0.75}, 2, {{35.0, -60.0}, {40.0, 150.0}}, 90.0},
+    [DIF_MESH_SNAKE] = {{48.0, -90.0, 0.84}, 2, {{35.0, -60.0}, {40.0, 150.0}}, 90.0},
 };
 
 bool dif_render_numbers(const char *text, int n_min, int n_max, double *out, int *n)
@@ -54,8 +54,11 @@ static dif_status load_mesh(const dif_render_args *args, dif_render_scene *out, 
 
 static dif_status parse_size(const dif_render_args *args, dif_render_scene *out, dif_error *err)
 {
-    static const char DEFAULT[] = "1280x720";
-    const char *text = args->size ? args->size : DEFAULT, *end = text + strlen(text), *times = strchr(text, 'x');
+    static const char DEFAULT[] = "1280x720", STUDY[] = "160x160";
+    const char *text = args->size    ? args->size
+                       : args->study ? STUDY
+                                     : DEFAULT,
+               *end = text + strlen(text), *times = strchr(text, 'x');
     double nx = NAN, ny = NAN;
     const bool good = times && dif_number_parse(text, times, '.', &nx) == times &&
                       dif_number_parse(times + 1, end, '.', &ny) == end && nx == floor(nx) && ny == floor(ny) &&
@@ -156,6 +159,11 @@ dif_status dif_render_scene_make(const dif_render_args *args, dif_render_scene *
         status = place_lights(args, kind, out, err);
     if (!status)
         status = take_base(args, out, err);
+    if (!status && args->meso && !out->mesh.uv)
+        return dif_fail(err, DIF_ERR_FORMAT,
+                        "%s: no texture coordinates, which --mesostructure needs; expected an OBJ with "
+                        "vt lines",
+                        args->mesh);
     return status ? status : dif_scene_check(&out->scene, err);
 }
 

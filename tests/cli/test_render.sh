@@ -77,6 +77,24 @@ export __EGL_VENDOR_LIBRARY_DIRS=/nonexistent
 refuses 4 'render: .*--cpu renders without a GPU' render sine.lut.exr --size 64x48 --out x.png
 unset __EGL_VENDOR_LIBRARY_DIRS
 
+# mesostructure and filters
+run 0 fixture random --height-nm 500 --correlation-um 7 --pitch-nm 1000 --pixels 64 --out meso.gsf
+for filter in none mip slopes supersample; do
+    n=$([ $filter = supersample ] && echo 4 || echo 1)
+    run 0 render sine.lut.exr "${small[@]}" --mesh sphere --mesostructure meso.gsf --filter $filter --samples "$n" --out $filter.png
+    ok "says so" grep -aq 'diffbench.filter' $filter.png
+done
+ok "filters differ" [ "$("$tool" pixels none.png)" != "$("$tool" pixels slopes.png)" ]
+mkdir study
+run 0 render sine.lut.exr --cpu --size 32x32 --detail 1 --mesh sphere --mesostructure meso.gsf --samples 3 --filter-study study
+ok "sixteen rows" [ "$(rows study/filters.csv | wc -l)" -eq 16 ]
+ok "and a picture" [ "$(head -c 4 study/filters.png | tail -c 3)" = PNG ]
+refuses 2 'render: --filter-study needs --mesostructure, --cpu' render sine.lut.exr --cpu --filter-study study
+refuses 2 'render: --filter slopes averages the table, expected --method lut' render sine.gsf --cpu --method sheet --filter slopes --out x.png
+refuses 3 'render: bare.obj: no texture coordinates, which --mesostructure needs' render sine.lut.exr "${small[@]}" --mesh bare.obj --mesostructure meso.gsf --out x.png
+refuses 3 'render: base.png: no scale, expected --meso-pixel-um' render sine.lut.exr "${small[@]}" --mesostructure base.png --out x.png
+run 0 render sine.lut.exr "${small[@]}" --mesostructure base.png --meso-pixel-um 10 --meso-height-um 1 --quiet --out m.png
+
 # refusals: one line, nothing left behind
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 nan 1\nf 1//1 2//1 3//1\n' >nan.obj
 refuses 3 'render: nan.obj: line 4: a normal of nan, want finite numbers' render sine.lut.exr "${small[@]}" --mesh nan.obj --out x.png
