@@ -81,7 +81,7 @@ static dif_status parse_surface(const dif_cli *cli, const char *path, const unsi
     if (fixture_kind(data, n, &kind))
         snprintf(out->title, sizeof out->title, "diffbench fixture %s", dif_surface_kind_name(kind));
     if (out->warning[0])
-        dif_cli_say(cli, "%s", out->warning);
+        dif_cli_say(cli, "%s%s%s", cli->n_operand > 1 ? path : "", cli->n_operand > 1 ? ": " : "", out->warning);
     status = dif_cli_prep_apply(cli, path, surface, out, err);
     if (status)
         dif_field_file_free(out);

@@ -17,6 +17,10 @@ static const double TILT_TOLD = 0.1;
 /* So many points are no defects. */
 static const double DEFECTS_TOLD = 0.01;
 
+/* Farther from a measured point (samples), and with a larger residual, what was filled is told to be uncertain. */
+enum { REACH_TOLD = 20 };
+static const double RESIDUAL_TOLD = 1e-4;
+
 enum { NOTE_SIZE = 320 };
 
 /* What a step works on and what it has to say. */
@@ -65,9 +69,11 @@ static dif_status run_fill(work *w, const dif_cli_step *step, dif_error *err)
     if (filled.n == 0)
         snprintf(w->note, sizeof w->note, "nothing was missing");
     else
-        snprintf(w->note, sizeof w->note, "%zu points filled (%.3g %%), the farthest %d samples from a measured one%s",
-                 filled.n, 100.0 * (double)filled.n / (double)dif_field_n(w->field), filled.reach,
-                 filled.residual > 1e-6 ? ", not settled: try --fill=laplace" : "");
+        snprintf(w->note, sizeof w->note,
+                 "%zu points filled (%.3g %%), the farthest %d samples from a measured one%s%s", filled.n,
+                 100.0 * (double)filled.n / (double)dif_field_n(w->field), filled.reach,
+                 filled.reach > REACH_TOLD ? ": a guess so far in" : "",
+                 filled.residual > RESIDUAL_TOLD ? ", equations not solved to the end" : "");
     return status;
 }
 
