@@ -9,7 +9,7 @@
 
 static const dif_cli_help HELP = {
     "KIND",
-    "Makes a synthetic surface and writes it as .gsf or .exr, with what it was made from inside.\n"
+    "Makes a synthetic surface and writes it as .gsf, .exr, .png (16 bit) or .txt, with what it was made from inside.\n"
     "KIND is flat, sine, blazed, lamellar, triangle, crossed, random, elaphe, xenopeltis or cd.\n"
     "Two of --pixels, --pitch-nm and --size-um fix the grid; what is not said has the kind's own value.\n",
     "  diffbench fixture blazed --period-nm 2500 --height-nm 250 --size-um 65 --pixels 512 --out blazed.gsf\n",
@@ -25,7 +25,7 @@ static void add_options(dif_cli *cli, fixture_args *args)
 {
     const dif_opt opts[] = {
         {"Surface", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
-        {"out", DIF_OPT_TEXT, &args->out, NULL, "F", "the file to write, .gsf or .exr (needed)", NULL},
+        {"out", DIF_OPT_TEXT, &args->out, NULL, "F", "the file to write, .gsf, .exr, .png or .txt (needed)", NULL},
         {"period-nm", DIF_OPT_REAL, &args->period_nm, "(0, inf)", "NM", "grating period", NULL},
         {"height-nm", DIF_OPT_REAL, &args->height_nm, "[0, inf)", "NM", "peak to valley (random: rms)", NULL},
         {"psi-deg", DIF_OPT_REAL, &args->psi_deg, "[-360, 360]", "DEG", "azimuth of the groove normal (default 0)",

@@ -43,7 +43,7 @@ refuses 2 'fixture: dragon: unknown kind, expected flat, sine' fixture dragon --
 refuses 2 'fixture: expected KIND' fixture --out f.gsf
 refuses 2 'nowhere to write to, expected --out' fixture sine
 refuses 2 'one operand too many' fixture sine blazed --out f.gsf
-refuses 2 '\.gsf|\.exr' fixture sine --pixels 16 --out f.png
+refuses 2 '\.gsf|\.exr' fixture sine --pixels 16 --out f.jpg
 refuses 2 "duty '1': out of range" fixture lamellar --duty 1 --out f.gsf
 refuses 2 "period-nm '0': out of range, expected more than 0" fixture sine --period-nm 0 --out f.gsf
 refuses 3 'nowhere' fixture sine --pixels 16 --out nowhere/f.gsf
