@@ -116,7 +116,9 @@ static dif_status convert(const convert_run *run, int i, dif_field_file *file, d
         status = make_manifest(run, input, file, &manifest, err);
     if (!status)
         status = dif_field_write(run->target[i], &file->field, &manifest, err);
-    const dif_field_loss loss = status ? (dif_field_loss){0} : dif_field_loss_of(run->target[i], &file->field);
+    dif_field_loss loss = {.step_um = 0.0};
+    if (!status)
+        loss = dif_field_loss_of(run->target[i], &file->field);
     if (loss.warning[0])
         dif_cli_say(run->cli, "%s: %s", run->target[i], loss.warning);
     dif_manifest_free(&manifest);
