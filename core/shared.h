@@ -32,6 +32,13 @@
 
 /* Lights of a rendering: DIF_LIGHT_MAX. */
 #define DIF_RENDER_LIGHTS 8
+/* DIF_LUT_MAP_MAX, DIF_MESO_PROBES, DIF_LUT_FILTER_PROBES, dif_filter. */
+#define DIF_RENDER_MAPS      48
+#define DIF_RELIEF_PROBES    16
+#define DIF_BLUR_PROBES      9
+#define DIF_FILTER_IS_NONE   0
+#define DIF_FILTER_IS_MIP    1
+#define DIF_FILTER_IS_SLOPES 2
 
 /* What a shader answers: one texel holds 4 queries, 4 angles of one wavelength, or the colour of 1 direction. */
 #define DIF_JOB_IS_VALUES  0

@@ -15,10 +15,10 @@ dif_gpu_render_opts dif_gpu_render_opts_default(void)
 
 static dif_status make_program(dif_gpu_renderer *out, dif_error *err)
 {
-    static const char *const SAMPLERS[] = {"maps", "masking", "albedo"};
+    static const char *const SAMPLERS[] = {"maps", "masking", "albedo", "relief", "product", "pyramid"};
     static const char *const VERTEX[] = {"prelude.glsl", "shared.h", "mesh_block.glsl", "mesh.vert"};
-    static const char *const FRAGMENT[] = {"prelude.glsl", "shared.h",        "eval.glsl",
-                                           "colour.glsl",  "mesh_block.glsl", "mesh.frag"};
+    static const char *const FRAGMENT[] = {"prelude.glsl", "shared.h",        "eval.glsl", "colour.glsl",
+                                           "filter.glsl",  "mesh_block.glsl", "mesh.frag"};
     dif_gl_shader shader[2] = {{.stage = GL_VERTEX_SHADER}, {.stage = GL_FRAGMENT_SHADER}};
     for (size_t i = 0; i < sizeof VERTEX / sizeof *VERTEX; i++)
         dif_gl_shader_add(&shader[0], dif_shader_part(VERTEX[i]));
@@ -120,8 +120,9 @@ void dif_gpu_renderer_close(dif_gpu_renderer *renderer)
         return;
     dif_gpu *gpu = renderer->gpu;
     if (dif_gpu_begin(gpu, NULL) == DIF_OK) {
-        dif_gl_texture *const textures[] = {&renderer->maps,  &renderer->masking, &renderer->albedo,
-                                            &renderer->light, &renderer->base,    &renderer->depth};
+        dif_gl_texture *const textures[] = {&renderer->maps,   &renderer->masking, &renderer->albedo,
+                                            &renderer->light,  &renderer->base,    &renderer->depth,
+                                            &renderer->relief, &renderer->product, &renderer->pyramid};
         for (size_t i = 0; i < sizeof textures / sizeof *textures; i++)
             dif_gl_texture_delete(gpu, textures[i]);
         dif_gl_mesh_delete(gpu, &renderer->mesh);
@@ -133,6 +134,7 @@ void dif_gpu_renderer_close(dif_gpu_renderer *renderer)
         }
     }
     dif_release(renderer->texels);
+    dif_release(renderer->weight);
     dif_release(renderer);
 }
 

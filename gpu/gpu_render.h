@@ -36,7 +36,8 @@ const char *dif_gpu_renderer_name(const dif_gpu_renderer *renderer);
 /* Draws a scene of the loaded mesh and base, n_sub x n_sub samples a pixel at the centres of their strata.
  *
  * Given     scene    as for dif_shade_draw; its mesh and base must be those that were loaded
- *           opts     n_sub and cos_min count
+ *           opts     n_sub, cos_min, filter, meso and blurred count; meso and blurred are loaded when they first come
+ *                    (a `blurred` of the loaded table) and must not change while the renderer lives; no random samples
  * Gives     frame    of wanted size; cost (may be NULL)
  * Status    DIF_ERR_ARG, DIF_ERR_SIZE, DIF_ERR_NOMEM, DIF_ERR_FOREIGN */
 DIF_MUST_USE dif_status dif_gpu_renderer_draw(dif_gpu_renderer *renderer, const dif_scene *scene,

@@ -30,8 +30,10 @@ static dif_status make_targets(dif_gpu_renderer *r, int nx, int ny, dif_error *e
         return dif_fail(err, DIF_ERR_FOREIGN, "the GPU cannot draw into floats: framebuffer status 0x%x",
                         (unsigned)state);
     dif_release(r->texels);
+    dif_release(r->weight);
     r->texels = dif_alloc(4 * (size_t)nx, (size_t)ny * sizeof *r->texels);
-    return r->texels ? DIF_OK : dif_fail(err, DIF_ERR_NOMEM, "a frame of %d x %d pixels", nx, ny);
+    r->weight = dif_alloc((size_t)nx, (size_t)ny * sizeof *r->weight);
+    return r->texels && r->weight ? DIF_OK : dif_fail(err, DIF_ERR_NOMEM, "a frame of %d x %d pixels", nx, ny);
 }
 
 static void put(float out[4], dif_vec3 v)
@@ -73,12 +75,13 @@ static void set_scene(dif_gpu_renderer *r, const dif_scene *scene, const dif_sha
     for (int c = 0; c < 3; c++)
         p->base[c] = (float)scene->base_rgb[c];
     p->job[0] = scene->n_light;
+    p->extra[1] = 1.0f / (float)how->n_sub;
 }
 
 /* One sample of every pixel. */
 static dif_status draw_sample(dif_gpu_renderer *r, int nx, int ny, double x, double y, dif_error *err)
 {
-    const dif_gl_texture *const textures[] = {&r->maps, &r->masking, &r->albedo};
+    const dif_gl_texture *const textures[] = {&r->maps, &r->masking, &r->albedo, &r->relief, &r->product, &r->pyramid};
     static const float CLEAR[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     r->params.shift[0] = (float)(-2.0 * (x - 0.5) / nx);
     r->params.shift[1] = (float)(2.0 * (y - 0.5) / ny);
@@ -120,8 +123,22 @@ static void add_texels(dif_gpu_renderer *r, int attachment, double share, dif_fr
             const float *from = r->texels + 4 * ((size_t)(frame->ny - 1 - iy) * (size_t)frame->nx + (size_t)ix);
             for (size_t c = 0; c < 3; c++)
                 to[3 * pixel + c] += (float)(share * (double)from[c]);
-            frame->coverage[pixel] += attachment == 0 ? (float)(share * (double)from[3]) : 0.0f;
+            float *sum = attachment == 0 ? frame->coverage : r->weight;
+            sum[pixel] += (float)(share * (double)from[3]);
         }
+}
+
+/* Samples weigh as much as they are seen: as core/shade.c. */
+static void normalise(const dif_gpu_renderer *r, dif_frame *frame)
+{
+    const size_t n = (size_t)frame->nx * (size_t)frame->ny;
+    for (size_t i = 0; i < n; i++) {
+        const float scale = r->weight[i] > 0.0f ? frame->coverage[i] / r->weight[i] : 0.0f;
+        for (size_t c = 0; c < 3; c++) {
+            frame->light[3 * i + c] *= scale;
+            frame->base[3 * i + c] *= scale;
+        }
+    }
 }
 
 static dif_status check(const dif_scene *scene, const dif_shade_opts *how, dif_error *err)
@@ -129,6 +146,10 @@ static dif_status check(const dif_scene *scene, const dif_shade_opts *how, dif_e
     if (!(how->n_sub >= 1 && how->n_sub <= DIF_SUBSAMPLE_MAX))
         return dif_fail(err, DIF_ERR_ARG, "%d x %d samples a pixel, want 1 ... %d a side", how->n_sub, how->n_sub,
                         DIF_SUBSAMPLE_MAX);
+    if (how->filter == DIF_FILTER_SLOPES && !how->blurred)
+        return dif_fail(err, DIF_ERR_ARG, "slopes are filtered in an integrated table, and there is none");
+    if (how->meso && !scene->mesh->uv)
+        return dif_fail(err, DIF_ERR_ARG, "mesostructure needs texture coordinates, and the mesh has none");
     return dif_scene_check(scene, err);
 }
 
@@ -143,13 +164,15 @@ dif_status dif_gpu_renderer_draw(dif_gpu_renderer *renderer, const dif_scene *sc
     if (status == DIF_OK)
         status = dif_gpu_begin(renderer->gpu, err);
     if (status == DIF_OK)
+        status = dif_gpu_render_load_filter(renderer, &how, err);
+    if (status == DIF_OK)
         status = make_targets(renderer, frame->nx, frame->ny, err);
     if (status != DIF_OK)
         return status;
     for (size_t i = 0; i < 3 * n; i++)
         frame->light[i] = frame->base[i] = 0.0f;
     for (size_t i = 0; i < n; i++)
-        frame->coverage[i] = 0.0f;
+        frame->coverage[i] = renderer->weight[i] = 0.0f;
     set_scene(renderer, scene, &how, frame->nx, frame->ny);
     for (int k = 0; k < n_sub * n_sub && status == DIF_OK; k++) {
         const double since_s = dif_eval_now_s();
@@ -160,6 +183,7 @@ dif_status dif_gpu_renderer_draw(dif_gpu_renderer *renderer, const dif_scene *sc
         spent.run_s += drawn_s - since_s;
         spent.download_s += dif_eval_now_s() - drawn_s;
     }
+    normalise(renderer, frame);
     if (cost)
         *cost = spent;
     return status == DIF_OK ? dif_gpu_check(renderer->gpu, "reading a frame", err) : status;

@@ -198,6 +198,51 @@ static void test_draw__masking_tables_and_base_textures(void **state)
     }
 }
 
+/* All filters, with relief and without, near and far. */
+static void test_draw__filters_as_on_the_cpu(void **state)
+{
+    static const dif_filter filters[] = {DIF_FILTER_NONE, DIF_FILTER_MIP, DIF_FILTER_SLOPES};
+    stage *s = *state;
+    dif_field field;
+    dif_meso meso;
+    dif_mesh mesh;
+    dif_lut_filter blurred;
+    if (!s->gpu)
+        skip();
+    dif_surface rough = dif_surface_default(DIF_SURFACE_RANDOM);
+    rough.nx = rough.ny = 64;
+    rough.pitch_um = 1.0;
+    rough.height_um = 0.3;
+    rough.correlation_um = 7.0;
+    assert_int_equal(dif_surface_make(&rough, &field, NULL), DIF_OK);
+    assert_int_equal(dif_lut_filter_create(&s->lut, 128, &blurred, NULL), DIF_OK);
+    assert_int_equal(dif_mesh_make(DIF_MESH_SPHERE, 2, &mesh, NULL), DIF_OK);
+    const dif_scene scene = scene_of(&mesh);
+    for (int k = 0; k < 9; k++) {
+        static const double tiles[] = {0.25, 3.0, 60.0};
+        dif_frame cpu, gpu;
+        dif_shade_opts opts = dif_shade_opts_default();
+        double worst = 0.0;
+        assert_int_equal(dif_meso_create(&field, 1.0, tiles[k / 3], &meso, NULL), DIF_OK);
+        opts.filter = filters[k % 3];
+        opts.meso = &meso;
+        opts.blurred = &blurred;
+        opts.shadow = &s->vcavity;
+        opts.n_sub = k == 2 ? 2 : 1;
+        draw_both(s, &scene, &opts, &cpu, &gpu);
+        const double p95 = compare(&cpu, &gpu, &worst);
+        print_message("tiles %-4g filter %d: p95 %.4f, worst %.4f\n", tiles[k / 3], k % 3, p95, worst);
+        /* 8 bits of place in filtered textures; derivatives are differences of a quad; 60 tiles: 32 bits of uv */
+        assert_at_most(p95, 0.5);
+        dif_frame_free(&cpu);
+        dif_frame_free(&gpu);
+        dif_meso_free(&meso);
+    }
+    dif_lut_filter_free(&blurred);
+    dif_mesh_free(&mesh);
+    dif_field_free(&field);
+}
+
 static void test_draw__pictures_differ_where_scenes_do(void **state)
 {
     stage *s = *state;
@@ -275,6 +320,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_draw__every_mesh_as_on_the_cpu),
         cmocka_unit_test(test_draw__masking_tables_and_base_textures),
+        cmocka_unit_test(test_draw__filters_as_on_the_cpu),
         cmocka_unit_test(test_draw__pictures_differ_where_scenes_do),
         cmocka_unit_test(test_close__gives_everything_back),
         cmocka_unit_test(test_draw__refuses_bad_scenes_and_sizes),

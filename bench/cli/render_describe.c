@@ -76,7 +76,7 @@ dif_status dif_render_describe(const dif_cli *cli, const dif_render_args *args, 
         (status = dif_manifest_set(out, "renderer", dif_render_engine_name(engine), err)) ||
         (status = dif_manifest_set(out, "shadowing", dif_shadowing_name(source->shadow.kind), err)) ||
         (status = dif_manifest_setf(out, err, "samples_per_pixel", "%d x %d%s", how.n_sub, how.n_sub,
-                                    how.jitter ? " random" : "")) ||
+                                    how.jitter && !engine->renderer ? " random" : "")) ||
         (status = dif_manifest_set(out, "filter", FILTERS[args->filter], err)) ||
         (status = describe_meso(args, out, err)) ||
         (status = dif_manifest_set(out, "exposure_by", args->exposure_value > 0.0 ? "user" : "auto", err)) ||

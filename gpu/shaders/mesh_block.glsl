@@ -10,5 +10,9 @@ layout(std140) uniform dif_render {
     vec4 base;  // rgb of a diffuse base
     vec4 slopes; // shadowing: var_x, var_y, cov_xy
     ivec4 job;  // lights, shadowing, base is a texture, columns of the shadowing table
-    ivec4 size; // rows of the shadowing table
+    ivec4 size; // rows of the shadowing table; filter, mesostructure is there
+    vec4 relief; // of the mesostructure: texels along x and y, levels, tiles
+    vec4 blur;   // of the pyramid: side, levels; radius and variance of the spot
+    vec4 extra;  // factor of the pyramid's numbers; 1 / samples along a side of a pixel
+    vec4 spot[DIF_RENDER_MAPS];
 } r;

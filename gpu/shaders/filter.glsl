@@ -1,0 +1,148 @@
+// Slopes within a pixel: moments of the mesostructure, visible slopes, the table blurred by them.
+// As core/meso.c, core/slope.c, core/lut_filter.c and core/shade_slopes.c.
+
+// Mean and covariance of slopes: m = means, v = (var_x, var_y, cov).
+struct dif_gauss {
+    vec2 mean;
+    vec3 cov;
+};
+
+// Axes of the ellipse that (a b) maps the unit circle to: xy = unit major axis, z = major, w = minor half axis.
+vec4 dif_ellipse(vec2 a, vec2 b)
+{
+    float p = dot(vec2(a.x, b.x), vec2(a.x, b.x)), q = dot(vec2(a.y, b.y), vec2(a.y, b.y));
+    float m = a.x * a.y + b.x * b.y, mean = 0.5 * (p + q), spread = length(vec2(0.5 * (p - q), m));
+    float major = sqrt(max(mean + spread, 0.0)), minor = major > 0.0 ? abs(a.x * b.y - a.y * b.x) / major : 0.0;
+    float angle = 0.5 * atan(m, 0.5 * (p - q) == 0.0 && m == 0.0 ? 1.0 : 0.5 * (p - q));
+    return vec4(cos(angle), sin(angle), major, minor);
+}
+
+// Moments over a footprint: relief.xyzw = E s_x, E s_y, E s_x^2, E s_y^2; product.r = E s_x s_y.  size: texels of level 0.
+dif_gauss dif_relief_moments(sampler2D relief, sampler2D product, vec2 size, float n_level, float tiles, vec2 uv, vec2 dx, vec2 dy)
+{
+    vec4 e = dif_ellipse(dx * tiles * size, dy * tiles * size);
+    float minor = max(max(e.w, e.z / float(DIF_RELIEF_PROBES)), 1e-12);
+    int n = int(clamp(ceil(e.z / minor - 1e-4), 1.0, float(DIF_RELIEF_PROBES)));
+    float level = clamp(log2(minor), 0.0, n_level - 1.0);
+    vec4 sum = vec4(0.0);
+    float cross_sum = 0.0;
+    for (int k = 0; k < n; k++) {
+        vec2 at = tiles * uv + e.z * ((float(k) + 0.5) / float(n) - 0.5) * e.xy / size;
+        at.y = 1.0 - at.y;
+        sum += textureLod(relief, at, level) / float(n);
+        cross_sum += textureLod(product, at, level).r / float(n);
+    }
+    float fade = clamp(log2(max(e.z, 1e-12)) + 1.0, 0.0, 1.0);
+    vec2 v = fade * max(sum.zw - sum.xy * sum.xy, vec2(0.0));
+    float most = sqrt(v.x * v.y);
+    return dif_gauss(sum.xy, vec3(v, clamp(fade * (cross_sum - sum.x * sum.y), -most, most)));
+}
+
+// Standard normal distribution: Abramowitz and Stegun 7.1.26 on the tail, 1e-7.
+float dif_normal_below(float z)
+{
+    float x = abs(z) * 0.70710678, t = 1.0 / (1.0 + 0.3275911 * x);
+    float tail = 0.5 * t * (0.254829592 + t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429)))) *
+                 dif_exp_minus(x * x);
+    return z < 0.0 ? tail : 1.0 - tail;
+}
+
+// Mean and variance of the standard normal weighted by max(0, z - T): x, y.
+vec2 dif_slope_cut(float z)
+{
+    if (z < -2.0) {
+        float x = -z, r = 0.0, r3 = 0.0, r2 = 0.0;
+        for (int n = 40; n >= 2; n--) {
+            r = 1.0 / (x + float(n + 1) * r);
+            r3 = n == 3 ? r : r3;
+            r2 = r;
+        }
+        return vec2(z - 2.0 * r2, 2.0 * r2 * (3.0 * r3 - 2.0 * r2));
+    }
+    float below = dif_normal_below(z), psi = z * below + 0.398942280 * dif_exp_minus(0.5 * z * z), ratio = below / psi;
+    return vec2(-ratio, clamp(2.0 - z * ratio - ratio * ratio, 0.0, 1.0));
+}
+
+// The slopes of a Gaussian that are seen along wo.
+dif_gauss dif_visible(dif_gauss g, vec3 wo)
+{
+    float sine = length(wo.xy);
+    if (sine < 1e-5 || wo.z <= 0.0)
+        return g;
+    vec2 o = wo.xy / sine;
+    float vo = g.cov.x * o.x * o.x + 2.0 * g.cov.z * o.x * o.y + g.cov.y * o.y * o.y;
+    float vp = g.cov.x * o.y * o.y - 2.0 * g.cov.z * o.x * o.y + g.cov.y * o.x * o.x;
+    float c = (g.cov.y - g.cov.x) * o.x * o.y + g.cov.z * (o.x * o.x - o.y * o.y);
+    float b = sqrt(max(vo, 0.0)) * sine, a = wo.z - dot(g.mean, o) * sine;
+    if (b < 1e-7)
+        return g;
+    float z = a / b;
+    // far above the cut: E = -b/a, V = 1 - (b/a)^2
+    vec2 cut = z > 8.0 ? vec2(-1.0 / z, 1.0 - 1.0 / (z * z)) : dif_slope_cut(z);
+    float along = c / sqrt(vo), mo = dot(g.mean, o) + sqrt(vo) * cut.x;
+    float mp = dot(g.mean, vec2(-o.y, o.x)) + along * cut.x;
+    float voo = vo * cut.y, vop = c * cut.y, vpp = max(vp - along * along * (1.0 - cut.y), 0.0);
+    return dif_gauss(mo * o + mp * vec2(-o.y, o.x),
+                     vec3(voo * o.x * o.x - 2.0 * vop * o.x * o.y + vpp * o.y * o.y,
+                          voo * o.y * o.y + 2.0 * vop * o.x * o.y + vpp * o.x * o.x,
+                          (voo - vpp) * o.x * o.y + vop * (o.x * o.x - o.y * o.y)));
+}
+
+// Clenshaw's sum over one place of a table or of a level of the pyramid; the texels as in dif_lut_colour.
+vec3 dif_maps_sum(sampler2DArray maps, vec2 at, float level, float n_map, float t)
+{
+    vec3 next = vec3(0.0), after = vec3(0.0);
+    int layer = -1;
+    vec4 high = vec4(0.0), low = vec4(0.0);
+    for (int n = int(n_map) - 1; n >= 0; n--) {
+        int want = (3 * n) >> 2, last = (3 * n + 2) >> 2;
+        if (layer != want) {
+            high = last == layer ? low : last == want ? high : textureLod(maps, vec3(at, float(last)), level);
+            low = textureLod(maps, vec3(at, float(want)), level);
+            layer = want;
+        }
+        int part = (3 * n) & 3;
+        vec3 q = part == 0 ? low.xyz : part == 1 ? low.yzw : part == 2 ? vec3(low.zw, high.x) : vec3(low.w, high.xy);
+        vec3 here = q + (n == 0 ? t : 2.0 * t) * next - after;
+        after = next;
+        next = here;
+    }
+    return next;
+}
+
+// Mean colour over a Gaussian of covariance `cov` around uvw at fixed w.  place: side and levels of the pyramid, radius and
+// variance of the spot; factor: that undoes the scale of its stored numbers; spot: XYZ of the spot's light at this w.
+vec3 dif_lut_blurred(sampler2DArray maps, vec4 shape, vec2 more, sampler2DArray pyramid, vec4 place, float factor, vec3 spot,
+                     vec3 uvw, vec3 cov)
+{
+    float mean = 0.5 * (cov.x + cov.y), half_gap = 0.5 * (cov.x - cov.y), spread = length(vec2(half_gap, cov.z));
+    float major = sqrt(max(mean + spread, 0.0)), thin = sqrt(max(mean - spread, 0.0));
+    float angle = spread > 0.0 ? 0.5 * atan(cov.z, half_gap) : 0.0;
+    float minor = max(max(thin, 2.5 * major / float(DIF_BLUR_PROBES)), 1e-12);
+    float along = sqrt(max(major * major - minor * minor, 0.0));
+    int n = int(clamp(ceil(2.5 * along / minor - 1e-4), 1.0, float(DIF_BLUR_PROBES)));
+    float level = log2(2.0 * minor * place.x / 4.0), share = clamp(level + 1.0, 0.0, 1.0);
+    float sum = 0.0, variance = 0.0;
+    for (int i = 0; i < n; i++) {
+        float at = 5.0 * ((float(i) + 0.5) / float(n) - 0.5), weight = dif_exp_minus(0.5 * at * at);
+        sum += weight;
+        variance += weight * at * at;
+    }
+    vec2 stride = n > 1 ? along / sqrt(variance / sum) * vec2(cos(angle), sin(angle)) : vec2(0.0);
+    vec3 colour = vec3(0.0);
+    for (int i = 0; i < n; i++) {
+        float at = 5.0 * ((float(i) + 0.5) / float(n) - 0.5), weight = dif_exp_minus(0.5 * at * at) / sum;
+        vec3 probe = vec3(uvw.xy + at * stride, uvw.z);
+        if (share < 1.0)
+            colour += weight * (1.0 - share) * dif_lut_colour(maps, shape, more, probe);
+        if (share > 0.0)
+            colour += weight * share * factor *
+                      dif_maps_sum(pyramid, (probe.xy + 2.0) / 4.0, clamp(level, 0.0, place.y - 1.0), more.x, dif_lut_depth(probe));
+    }
+    float uu = cov.x + place.w, vv = cov.y + place.w, det = uu * vv - cov.z * cov.z;
+    if (place.z > 0.0 && det > 0.0) {
+        float q = (vv * uvw.x * uvw.x - 2.0 * cov.z * uvw.x * uvw.y + uu * uvw.y * uvw.y) / det;
+        colour += share * dif_exp_minus(0.5 * q) / (DIF_TWO_PI * sqrt(det)) * spot;
+    }
+    return colour;
+}
