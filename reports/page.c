@@ -14,6 +14,7 @@ static const struct {
                 {"lines", "lines", NULL},
                 {"map", "BRDF map", "map"},
                 {"methods", "methods", "methods"},
+                {"render", "rendering", "render"},
                 {"slopes", "slopes and views", "slopes"},
                 {"accuracy", "accuracy", NULL},
                 {"energy", "energy", NULL},

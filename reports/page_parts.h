@@ -21,6 +21,9 @@ void dif_part_methods(FILE *html, const json_t *doc);      /* all methods side b
 /* The BRDF map's section; nothing if there is no map. Status as dif_picture_load. */
 DIF_MUST_USE dif_status dif_part_map(FILE *html, int number, const dif_result *result, dif_error *err);
 
+/* The rendering's section; nothing if there is none. Status as dif_picture_load. */
+DIF_MUST_USE dif_status dif_part_render(FILE *html, int number, const dif_result *result, dif_error *err);
+
 /* The section of slopes, normals and views; nothing if there is none. Status as dif_picture_load. */
 DIF_MUST_USE dif_status dif_part_slopes(FILE *html, int number, const dif_result *result, dif_error *err);
 

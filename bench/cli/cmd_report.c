@@ -30,7 +30,7 @@ typedef struct report_args {
     dif_cli_measure measure;
     double theta_i_deg, theta_r_deg, azimuth_deg;
     dif_range angle_deg, lambda_nm;
-    bool no_map, no_methods, no_slopes, study;
+    bool no_map, no_methods, no_render, no_slopes, study;
     const char *out, *rebuild;
 } report_args;
 
@@ -53,6 +53,7 @@ static void add_options(dif_cli *cli, report_args *args)
         {"Parts", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
         {"no-map", DIF_OPT_FLAG, &args->no_map, NULL, NULL, "leave out the BRDF maps", NULL},
         {"no-methods", DIF_OPT_FLAG, &args->no_methods, NULL, NULL, "leave out the comparison of methods", NULL},
+        {"no-render", DIF_OPT_FLAG, &args->no_render, NULL, NULL, "leave out the rendering", NULL},
         {"no-slopes", DIF_OPT_FLAG, &args->no_slopes, NULL, NULL, "leave out slopes, normals and views", NULL},
         {"study", DIF_OPT_FLAG, &args->study, NULL, NULL,
          "add studies of wavelength step, coherence, series and incidence, and published periods (minutes)", NULL},
@@ -170,6 +171,7 @@ static dif_status load(const dif_cli *cli, const report_args *args, int i, dif_r
     *job = (dif_report_job){.tol = args->measure.tol,
                             .want_map = !args->no_map,
                             .want_methods = !args->no_methods,
+                            .want_render = !args->no_render,
                             .want_slopes = !args->no_slopes,
                             .want_study = args->study};
     dif_status status = built_in ? load_fixture(cli, i, job, err) : load_file(cli, args, i, job, err);

@@ -311,6 +311,8 @@ json_t *dif_report_json(const dif_report_job *job, const dif_report_data *data, 
         done = done && json_object_set_new(out, "map", dif_report_map_json(data)) == 0;
     if (data->methods.compare.n > 0)
         done = done && json_object_set_new(out, "methods", dif_report_methods_json(data)) == 0;
+    if (data->render.frame.nx > 0)
+        done = done && json_object_set_new(out, "render", dif_report_render_json(job, &data->render)) == 0;
     if (data->slopes.slopes.square.n > 0)
         done = done && json_object_set_new(out, "slopes", dif_report_slopes_json(job, &data->slopes)) == 0;
     if (data->study.n_row > 0)

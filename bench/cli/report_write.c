@@ -128,6 +128,8 @@ dif_status dif_report_write(const char *folder, const dif_report_job *job, dif_r
         status = write_lines(path, job, data, err);
     if (status == DIF_OK && data->map.map.n_pixel > 0)
         status = write_map(folder, job, data, err);
+    if (status == DIF_OK && data->render.frame.nx > 0)
+        status = dif_report_render_write(folder, job, &data->render, err);
     if (status == DIF_OK && data->slopes.slopes.square.n > 0)
         status = dif_report_slopes_write(folder, job, &data->slopes, err);
     if (status == DIF_OK)

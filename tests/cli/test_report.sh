@@ -38,7 +38,7 @@ ok "filtered is nearest to the truth" awk -v f="$(json surfaces.0.slopes.filtere
 near "maxima near the grating's period" "$(json surfaces.0.methods.rows.0.maxima_nm)" 2500 25
 
 # parts left out
-run 0 report --quiet --out less --no-map --no-methods --no-slopes $small 'a<b>&.gsf'
+run 0 report --quiet --out less --no-map --no-methods --no-render --no-slopes $small 'a<b>&.gsf'
 ok "no map" [ ! -e less/a-b.map.png ]
 ok "no slopes" [ ! -e less/a-b.slopes.png ]
 ok "not on the page" bash -c '! grep -q "BRDF map\|Methods compared\|from afar" less/index.html'
