@@ -59,15 +59,14 @@ static dif_status begin(const dif_field *field, dif_model_kind kind, double tol,
         return dif_fail(err, DIF_ERR_ARG, "model kind %d is none", (int)kind);
     *own_opts = opts ? *opts : dif_measure_opts_default();
     own_opts->method = METHODS[kind];
-    if (own_opts->shadow)
-        return dif_fail(err, DIF_ERR_UNSUPPORTED, "models know no shadowing");
     const dif_status status = dif_measure_check_opts(field, tol, own_opts, err);
     if (status != DIF_OK)
         return status;
     out->own = dif_alloc(1, sizeof *out->own);
     if (!out->own)
         return dif_fail(err, DIF_ERR_NOMEM, "no memory for a model");
-    out->model = (dif_model){.kind = kind, .quantity = own_opts->quantity, .index = own_opts->index};
+    out->model =
+        (dif_model){.kind = kind, .quantity = own_opts->quantity, .index = own_opts->index, .shadow = own_opts->shadow};
     return DIF_OK;
 }
 

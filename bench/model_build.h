@@ -33,8 +33,8 @@ dif_model_reach dif_model_reach_of_fixed(dif_vec3 fixed);
 /* The model of a kind for the tables of one plan: line sheets.
  *
  * Given     tol  as for dif_measure_table;  opts  as there but for `method`, which the kind sets; NULL = defaults
- * Status    as dif_measure_table; DIF_ERR_UNSUPPORTED: a lut has no tables, no model knows shadowing; *out zeroed on failure
- * Owns      the caller frees with dif_model_built_free; the field may go before */
+ * Status    as dif_measure_table; DIF_ERR_UNSUPPORTED: a lut has no tables; *out zeroed on failure
+ * Owns      the caller frees with dif_model_built_free; the field may go before, opts->shadow must stay */
 DIF_MUST_USE dif_status dif_model_build_table(const dif_field *field, dif_model_kind kind, const dif_plan *plan,
                                               double tol, const dif_measure_opts *opts, dif_model_built *out,
                                               dif_error *err);

@@ -27,6 +27,15 @@ static bool has_sheets(const dif_model *model)
     return model->kind != DIF_MODEL_STAM && model->kind != DIF_MODEL_LUT;
 }
 
+/* What turns a power into the model's quantity: rho and the BRDF hold the shadowing, the power does not. */
+static double gain_of(const dif_model *model, dif_vec3 wi, dif_vec3 wo, double lambda_um)
+{
+    if (model->quantity == DIF_QUANTITY_POWER)
+        return 1.0;
+    return dif_brdf_gain(model->quantity, model->index, wi, wo, lambda_um, model->area_um2) *
+           dif_shadow_factor(model->shadow, wi, wo);
+}
+
 /* Adds a sheet's powers at n <= BLOCK points. */
 static void add_sheet(const dif_sheet *sheet, double share, int n, const dif_vec3 *kappa, double *power)
 {
@@ -86,8 +95,7 @@ static bool read_values(const dif_model *model, int n, const dif_query *query, d
     if (!read_powers(model, n, uvw, at_um, value))
         return false;
     for (int i = 0; i < n; i++)
-        value[i] *=
-            dif_brdf_gain(model->quantity, model->index, query[i].wi, query[i].wo, query[i].lambda_um, model->area_um2);
+        value[i] *= gain_of(model, query[i].wi, query[i].wo, query[i].lambda_um);
     return true;
 }
 
@@ -222,7 +230,7 @@ static bool read_colours(const cpu *c, int n, const dif_vec3 *wi, const dif_vec3
     for (int i = 0; i < n && model->kind == DIF_MODEL_LUT; i++)
         dif_lut_eval(model->lut, uvw[i].x, uvw[i].y, uvw[i].z, xyz[i]);
     for (int i = 0; i < n; i++) {
-        const double gain = dif_brdf_gain(model->quantity, model->index, wi[i], wo[i], 1.0, model->area_um2);
+        const double gain = gain_of(model, wi[i], wo[i], 1.0);
         for (int k = 0; k < 3; k++)
             xyz[i][k] *= gain;
     }

@@ -56,6 +56,18 @@ static dif_status check_wavelengths(const dif_model *model, dif_error *err)
     return DIF_OK;
 }
 
+static dif_status check_shadow(const dif_shadow *shadow, dif_error *err)
+{
+    if (!((int)shadow->kind >= DIF_SHADOWING_NONE && shadow->kind <= DIF_SHADOWING_NDF))
+        return dif_fail(err, DIF_ERR_ARG, "shadowing %d is none", (int)shadow->kind);
+    if (shadow->kind == DIF_SHADOWING_NONE || shadow->kind == DIF_SHADOWING_VCAVITY)
+        return DIF_OK;
+    if (!(shadow->g && shadow->n_row >= 2 && shadow->n_column >= 1))
+        return dif_fail(err, DIF_ERR_ARG, "%s shadowing with a table of %d x %d", dif_shadowing_name(shadow->kind),
+                        shadow->n_row, shadow->n_column);
+    return dif_slope_check(&shadow->slopes, err);
+}
+
 static dif_status check_quantity(const dif_model *model, dif_error *err)
 {
     if (!((int)model->quantity >= DIF_QUANTITY_POWER && model->quantity <= DIF_QUANTITY_BRDF))
@@ -78,6 +90,8 @@ dif_status dif_model_check(const dif_model *model, dif_error *err)
         return dif_fail(err, DIF_ERR_ARG, "model kind %d is none", (int)model->kind);
     const bool has_sheets = model->kind != DIF_MODEL_LUT && model->kind != DIF_MODEL_STAM;
     dif_status status = check_quantity(model, err);
+    if (status == DIF_OK && model->shadow)
+        status = check_shadow(model->shadow, err);
     if (status == DIF_OK && has_sheets)
         status = check_sheets(model, err);
     if (status == DIF_OK && model->kind == DIF_MODEL_NMM)

@@ -8,6 +8,7 @@
 #include "core/nmm.h"
 #include "core/plan.h"
 #include "core/replica.h"
+#include "core/shadow.h"
 #include "core/sheet.h"
 #include "core/stam.h"
 
@@ -41,6 +42,7 @@ typedef struct dif_model {
     dif_quantity quantity;         /* of values and colours; lut, and colours in general: power or rho  */
     dif_index index;               /* of the material                                                   */
     double area_um2;               /* (T^2 sum W)^2 / (T^2 sum W^2), for brdf                           */
+    const dif_shadow *shadow;      /* S in rho and brdf, of values and colours; NULL = 1                */
 } dif_model;
 
 /* DIF_OK if the members of the kind are there and in range; DIF_ERR_ARG or DIF_ERR_UNSUPPORTED otherwise. */

@@ -60,8 +60,8 @@ static dif_status replace_marked(dif_field *field, dif_field *marked, size_t *n_
     const size_t n = dif_field_n(field);
     size_t n_marked = 0, n_there = 0;
     for (size_t i = 0; i < n; i++) {
-        n_there += isfinite(field->z_um[i]);
-        n_marked += isfinite(field->z_um[i]) && !isfinite(marked->z_um[i]);
+        n_there += isfinite(field->z_um[i]) ? 1 : 0;
+        n_marked += isfinite(field->z_um[i]) && !isfinite(marked->z_um[i]) ? 1 : 0;
     }
     if (n_marked == 0)
         return DIF_OK;

@@ -47,12 +47,15 @@
 
 /* Entries of the lists, in pairs. A direction: 3 coordinates on the sheet's axes, the two cosines, and from
  * DIF_DIR_MORE on what the method adds: pq (u, v); nmm the coordinates over s, (first bin, number of bins), D s. A query's
- * coordinates are those times 2 pi / lambda; its DIF_DIR_BINS is the wavelength that is read, DIF_DIR_REACH the one asked. */
+ * coordinates are those times 2 pi / lambda; its DIF_DIR_BINS is the wavelength that is read, DIF_DIR_REACH the one asked.
+ * Last, for shadowing, (x, y) of the two directions. */
 #define DIF_DIR_COSINES 3
 #define DIF_DIR_MORE    4
 #define DIF_DIR_BINS    7
 #define DIF_DIR_REACH   8
-#define DIF_DIR_STRIDE  9
+#define DIF_DIR_WI      9
+#define DIF_DIR_WO      10
+#define DIF_DIR_STRIDE  11
 /* A wave: factors of the 3 coordinates that give positions in bins; 2 of (u, v) that give turns of a period; weights
  * (X, Y), (Z, wavelength in um). */
 #define DIF_WAVE_TURNS  3

@@ -8,7 +8,7 @@
 
 #include "gpu/egl_ctx.h"
 
-enum { DIF_GL_PARTS = 8 };
+enum { DIF_GL_PARTS = 10 };
 
 typedef struct dif_gl_part {
     const char *name; /* file name, for messages */

@@ -1,5 +1,6 @@
 /* The evaluator's life; its calls are in gpu_eval_calls.c. */
 #include <stdio.h>
+#include <string.h>
 
 #include "core/alloc.h"
 #include "core/sheet_impl.h"
@@ -13,13 +14,13 @@ dif_gpu_eval_opts dif_gpu_eval_opts_default(void)
 
 static void gpu_close(void *self)
 {
-    enum { N_TEXTURE = 7 };
+    enum { N_TEXTURE = 8 };
     dif_gpu_eval *eval = self;
     if (!eval)
         return;
     if (dif_gpu_begin(eval->gpu, NULL) == DIF_OK) {
-        dif_gl_texture *const textures[N_TEXTURE] = {&eval->directions, &eval->waves, &eval->asked,    &eval->spectrum,
-                                                     &eval->maps,       eval->result, eval->result + 1};
+        dif_gl_texture *const textures[N_TEXTURE] = {&eval->directions, &eval->waves,   &eval->asked, &eval->spectrum,
+                                                     &eval->maps,       &eval->masking, eval->result, eval->result + 1};
         for (int i = 0; i < N_TEXTURE; i++)
             dif_gl_texture_delete(eval->gpu, textures[i]);
         for (int i = 0; i < eval->n_slot; i++)
@@ -65,11 +66,14 @@ static dif_status create(dif_gpu_eval *eval, dif_error *err)
         status = dif_eval_lists_create(eval, err);
     if (status == DIF_OK && eval->has_sheets)
         status = dif_eval_sheets_create(eval, err);
+    if (status == DIF_OK && dif_eval_shadowing(model) != DIF_SHADOWING_NONE)
+        status = dif_shadow_texture_create(eval->gpu, model->shadow, &eval->masking, eval->root, err);
     if (status == DIF_OK && model->kind == DIF_MODEL_LUT) {
         status = dif_lut_texture_create(eval->gpu, model->lut, eval->opts.half, &eval->maps, eval->lut_params.shape,
                                         eval->lut_params.more, err);
         eval->lut_params.more[2] = (float)model->index.n;
         eval->lut_params.more[3] = (float)model->index.kappa;
+        memcpy(eval->lut_params.root, eval->root, sizeof eval->root);
     }
     if (status != DIF_OK)
         return status;

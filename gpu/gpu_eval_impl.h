@@ -18,13 +18,14 @@ enum {
 /* Parameters of evaluate.glsl. */
 typedef struct dif_eval_block {
     int axis_s[4], axis_y[4], axis_z[4], job[4], few[4], copies[4];
-    float gain[4], more[4], scale[4];
+    float gain[4], more[4], scale[4], root[4];
 } dif_eval_block;
 
 /* Parameters of evaluate_lut.glsl. */
 typedef struct dif_eval_lut_block {
     float shape[4], more[4];
     int job[4];
+    float root[4];
 } dif_eval_lut_block;
 
 /* What a shader is made for. */
@@ -32,6 +33,7 @@ typedef struct dif_eval_variant {
     dif_model_kind kind;
     int job; /* DIF_JOB_IS_... */
     dif_quantity quantity;
+    dif_shadowing shadowing; /* of rho and brdf */
     dif_gpu_path path;
     dif_gpu_fault fault;
     const dif_sheet *sheet; /* whose kernels it holds; NULL: none */
@@ -61,7 +63,8 @@ typedef struct dif_gpu_eval {
     GLuint program[DIF_EVAL_JOBS]; /* made when first asked for */
     GLuint block;
     dif_eval_source *source;
-    dif_gl_texture directions, waves, asked, spectrum, maps, result[2];
+    dif_gl_texture directions, waves, asked, spectrum, maps, masking, result[2];
+    float root[4];         /* of the slopes' covariance: dif_shadow_place       */
     int n_slot;            /* sheets that the device holds at a time            */
     dif_gl_texture *slot;  /* slot[n_slot]                                      */
     int slot_first;        /* the sheet that slot 0 holds; -1: none yet         */
@@ -114,6 +117,16 @@ DIF_MUST_USE dif_status dif_eval_sheets_load(dif_gpu_eval *eval, int first, dif_
 
 /* DIF_OK if every sheet holds what will be read, else DIF_ERR_ARG. */
 DIF_MUST_USE dif_status dif_eval_sheets_cover(const dif_gpu_eval *eval, const dif_eval_reach *reach, dif_error *err);
+
+/* ---- gpu_eval_shadow.c ---- */
+
+/* The shadowing that a model's shader computes: none for powers. */
+dif_shadowing dif_eval_shadowing(const dif_model *model);
+
+/* A shadowing's table as a texture, and the root of its slopes' covariance that dif_shadow_place wants.
+ * Status    as dif_gl_texture_create;  *out stays zeroed for kinds without a table */
+DIF_MUST_USE dif_status dif_shadow_texture_create(dif_gpu *gpu, const dif_shadow *shadow, dif_gl_texture *out,
+                                                  float root[4], dif_error *err);
 
 /* ---- gpu_eval_run.c ---- */
 

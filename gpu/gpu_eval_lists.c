@@ -128,6 +128,14 @@ static void put_floats(float *entry, int at, double x, double y)
     entry[2 * (size_t)at + 1] = (float)y;
 }
 
+/* What gains and shadowing read. */
+static void put_pair_of_directions(float *entry, dif_vec3 wi, dif_vec3 wo)
+{
+    put_floats(entry, DIF_DIR_COSINES, wi.z, wo.z);
+    put_floats(entry, DIF_DIR_WI, wi.x, wi.y);
+    put_floats(entry, DIF_DIR_WO, wo.x, wo.y);
+}
+
 /* Coordinates on the axes: along and across the grooves for stam, along the plane of a line, else x and y. */
 static void axes_of(const dif_gpu_eval *eval, double x, double y, double azimuth_rad, double *s, double *t)
 {
@@ -147,7 +155,7 @@ void dif_eval_put_direction(dif_gpu_eval *eval, size_t i, dif_vec3 wi, dif_vec3 
     put(entry, 0, s);
     put(entry, 1, t);
     put(entry, 2, -uvw.z);
-    put_floats(entry, DIF_DIR_COSINES, wi.z, wo.z);
+    put_pair_of_directions(entry, wi, wo);
     put(entry, DIF_DIR_MORE, uvw.x);
     put(entry, DIF_DIR_MORE + 1, uvw.y);
     if (eval->model->kind != DIF_MODEL_NMM)
@@ -174,7 +182,7 @@ void dif_eval_put_query(dif_gpu_eval *eval, size_t i, const dif_query *query)
     put(entry, 0, s);
     put(entry, 1, t);
     put(entry, 2, -k * uvw.z);
-    put_floats(entry, DIF_DIR_COSINES, query->wi.z, query->wo.z);
+    put_pair_of_directions(entry, query->wi, query->wo);
     put(entry, DIF_DIR_MORE, k * uvw.x);
     put(entry, DIF_DIR_MORE + 1, k * uvw.y);
     /* the gain is of the wavelength asked for, the coordinates of the one that stands for it */

@@ -6,9 +6,9 @@
 #include "core/units.h"
 #include "gpu/gpu_eval_impl.h"
 
-_Static_assert(sizeof(dif_eval_block) == 9 * 16, "std140: nine vectors");
+_Static_assert(sizeof(dif_eval_block) == 10 * 16, "std140: ten vectors");
 _Static_assert(offsetof(dif_eval_block, job) == 48 && offsetof(dif_eval_block, gain) == 96, "std140");
-_Static_assert(sizeof(dif_eval_lut_block) == 3 * 16 && offsetof(dif_eval_lut_block, job) == 32, "std140");
+_Static_assert(sizeof(dif_eval_lut_block) == 4 * 16 && offsetof(dif_eval_lut_block, job) == 32, "std140");
 
 /* Moves the waves to a sheet's axes, unless they are there already. */
 static void set_waves(dif_gpu_eval *eval, const dif_eval_pass *ps, const dif_sheet *sheet, const dif_sheet *last)
@@ -38,7 +38,9 @@ static void set_params(dif_gpu_eval *eval, const dif_eval_pass *ps, const dif_sh
 {
     const dif_model *model = eval->model;
     dif_eval_block *p = &eval->params;
+    const float *root = eval->root;
     *p = (dif_eval_block){
+        .root = {root[0], root[1], root[2], 0.0f},
         .job = {ps->n, ps->n_lambda, add, 0},
         .gain = {(float)share, (float)model->index.n, (float)model->index.kappa, (float)model->area_um2}};
     if (sheet) {

@@ -13,12 +13,14 @@ double dif_eval_now_s(void)
 
 dif_status dif_eval_program(dif_gpu_eval *eval, int job, dif_error *err)
 {
-    static const char *const SAMPLERS[] = {"planes", "directions", "waves", "asked", "spectrum", "before", "maps"};
+    static const char *const SAMPLERS[] = {"planes",   "directions", "waves", "asked",
+                                           "spectrum", "before",     "maps",  "masking"};
     if (eval->program[job])
         return DIF_OK;
     const dif_eval_variant variant = {.kind = eval->model->kind,
                                       .job = job,
                                       .quantity = eval->model->quantity,
+                                      .shadowing = dif_eval_shadowing(eval->model),
                                       .path = eval->opts.path,
                                       .fault = eval->opts.fault,
                                       .sheet = eval->has_sheets ? eval->model->sheet[0] : NULL};
@@ -37,9 +39,10 @@ dif_status dif_eval_program(dif_gpu_eval *eval, int job, dif_error *err)
 /* Textures on the units of SAMPLERS; the planes are bound by the caller. */
 static void bind(const dif_gpu_eval *eval, int to)
 {
-    enum { N_TEXTURE = 6 };
+    enum { N_TEXTURE = 7 };
     const dif_gl_texture *const textures[N_TEXTURE] = {&eval->directions, &eval->waves,          &eval->asked,
-                                                       &eval->spectrum,   &eval->result[1 - to], &eval->maps};
+                                                       &eval->spectrum,   &eval->result[1 - to], &eval->maps,
+                                                       &eval->masking};
     for (int i = 0; i < N_TEXTURE; i++)
         if (textures[i]->id)
             dif_gl_texture_bind(textures[i], i + 1);

@@ -106,9 +106,10 @@ void dif_eval_source_make(const dif_eval_variant *variant, dif_eval_source *out)
 {
     const bool compute = variant->path == DIF_GPU_COMPUTE, lut = variant->kind == DIF_MODEL_LUT;
     snprintf(out->defines, sizeof out->defines,
-             "%s#define DIF_KIND %d\n#define DIF_JOB %d\n#define DIF_QUANTITY %d\n#define DIF_FAULT %d\n",
+             "%s#define DIF_KIND %d\n#define DIF_JOB %d\n#define DIF_QUANTITY %d\n#define DIF_FAULT %d\n"
+             "#define DIF_SHADOWING %d\n",
              compute ? "#define DIF_COMPUTE\n" : "", (int)variant->kind, variant->job, (int)variant->quantity,
-             (int)variant->fault);
+             (int)variant->fault, (int)variant->shadowing);
     make_kernels(variant->sheet, out->kernels, sizeof out->kernels);
     dif_gl_shader main_shader = {.stage = compute ? GL_COMPUTE_SHADER : GL_FRAGMENT_SHADER};
     dif_gl_shader_add(&main_shader, dif_shader_part("prelude.glsl"));
@@ -116,6 +117,7 @@ void dif_eval_source_make(const dif_eval_variant *variant, dif_eval_source *out)
     dif_gl_shader_add(&main_shader, (dif_gl_part){"(switches)", out->defines});
     dif_gl_shader_add(&main_shader, (dif_gl_part){"(kernels)", out->kernels});
     dif_gl_shader_add(&main_shader, dif_shader_part("eval.glsl"));
+    dif_gl_shader_add(&main_shader, dif_shader_part("shadow.glsl"));
     dif_gl_shader_add(&main_shader, dif_shader_part(lut ? "evaluate_lut.glsl" : "evaluate.glsl"));
     dif_gl_shader_add(&main_shader, dif_shader_part("store.glsl"));
     out->n_shader = compute ? 1 : 2;

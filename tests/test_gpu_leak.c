@@ -46,11 +46,12 @@ static void test_open__a_thousand_contexts_leave_nothing(void **state)
 }
 
 /* One in ten is used, too: where the driver keeps no shaders, compiling them is what takes the time. */
-static void cycle(bench *b, int i, const dif_plan *plan, double *value)
+static void cycle(bench *b, const dif_shadow *shadow, int i, const dif_plan *plan, double *value)
 {
     static const dif_model_kind KINDS[] = {DIF_MODEL_SHEET, DIF_MODEL_NMM, DIF_MODEL_PQ, DIF_MODEL_STAM};
     dif_error err;
     b->model[1].kind = KINDS[i / 10 % 4];
+    b->model[1].shadow = i % 3 ? shadow : NULL;
     dif_evaluator eval = open_with(b, by(DIF_GPU_COMPUTE));
     if (i % 10 == 0)
         assert_int_equal(eval.table(eval.self, plan, value, NULL, &err), DIF_OK);
@@ -64,13 +65,15 @@ static void test_evaluator__a_thousand_leave_nothing(void **state)
     bench_settle(&b);
     double value[20], before = 0.0;
     dif_plan plan = make_plan(5, 4, 0.0);
+    dif_shadow shadow;
+    assert_int_equal(dif_shadow_create(DIF_SHADOWING_SMITH, &b.field, &shadow, NULL), DIF_OK);
     const int blocks = test_alloc_live();
     assert_int_equal(dif_gpu_begin(gpu, NULL), DIF_OK);
     const int live = dif_gpu_live(gpu);
     for (int i = 0; i < EVALUATORS; i++) {
         if (i == EVALUATORS / 10)
             before = resident_mib();
-        cycle(&b, i, &plan, value);
+        cycle(&b, &shadow, i, &plan, value);
         assert_int_equal(dif_gpu_live(gpu), live);
         assert_int_equal(test_alloc_live(), blocks);
         assert_int_equal(dif_gpu_check(gpu, "after an evaluator", NULL), DIF_OK);
@@ -80,6 +83,7 @@ static void test_evaluator__a_thousand_leave_nothing(void **state)
     /* an evaluator's textures take 13 MiB */
     assert_true(SANITIZED || grown < 0.05 * EVALUATORS);
     dif_plan_free(&plan);
+    dif_shadow_free(&shadow);
     bench_close(&b);
 }
 

@@ -59,6 +59,7 @@ static void add_variants(pile *p, const dif_sheet *sheet, dif_model_kind kind, i
                 const dif_eval_variant variant = {.kind = kind,
                                                   .job = job,
                                                   .quantity = (dif_quantity)((job + fault) % 3),
+                                                  .shadowing = (dif_shadowing)((2 * job + fault + path) % 4),
                                                   .path = (dif_gpu_path)path,
                                                   .fault = (dif_gpu_fault)fault,
                                                   .sheet = sheet};

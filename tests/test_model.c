@@ -137,6 +137,27 @@ static void test_check__what_all_share(void **state)
     expect(&model, DIF_ERR_ARG, "quantity 7 is none");
 }
 
+static void test_check__shadowing(void **state)
+{
+    (void)state;
+    float g[4] = {0.0f, 0.0f, 1.0f, 1.0f};
+    dif_shadow shadow = {.kind = DIF_SHADOWING_VCAVITY};
+    dif_model model = sound(DIF_MODEL_STAM);
+    model.shadow = &shadow;
+    expect(&model, DIF_OK, "");
+    shadow.kind = DIF_SHADOWING_NDF;
+    expect(&model, DIF_ERR_ARG, "ndf shadowing with a table of 0 x 0");
+    shadow = (dif_shadow){.kind = DIF_SHADOWING_NDF, .n_row = 2, .n_column = 2, .g = g};
+    expect(&model, DIF_OK, "");
+    shadow.n_row = 1;
+    expect(&model, DIF_ERR_ARG, "ndf shadowing with a table of 1 x 2");
+    shadow.n_row = 2;
+    shadow.slopes.var_x = -1.0;
+    expect(&model, DIF_ERR_ARG, "slope variances (-1, 0), want >= 0");
+    shadow.kind = (dif_shadowing)4;
+    expect(&model, DIF_ERR_ARG, "shadowing 4 is none");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -144,6 +165,7 @@ int main(void)
         cmocka_unit_test(test_check__sheets),
         cmocka_unit_test(test_check__members_of_other_kinds),
         cmocka_unit_test(test_check__what_all_share),
+        cmocka_unit_test(test_check__shadowing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

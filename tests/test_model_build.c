@@ -208,6 +208,64 @@ static void test_colours__of_a_lut_are_its_own_times_the_gain(void **state)
     dif_field_free(&field);
 }
 
+/* Shadowing of the options goes into the model: tables, values and colours are those of the measurement. */
+static void test_shadow__is_that_of_the_options(void **state)
+{
+    (void)state;
+    static const dif_shadowing SHADOWINGS[] = {DIF_SHADOWING_VCAVITY, DIF_SHADOWING_SMITH, DIF_SHADOWING_NDF};
+    dif_field field = test_rough_field(60, 51, 0.06, 0.07, 0.4, 3);
+    dif_plan plan = make_plan(37.0);
+    const size_t n = (size_t)plan.n_angle * (size_t)plan.n_lambda;
+    double *value = calloc(n, sizeof *value), (*xyz)[3] = calloc(n, sizeof *xyz),
+           (*want_xyz)[3] = calloc(n, sizeof *xyz);
+    dif_vec3 *wi = calloc(n, sizeof *wi), *wo = calloc(n, sizeof *wo);
+    for (int i = 0; i < plan.n_angle; i++)
+        dif_plan_directions(&plan, i, wi + i, wo + i);
+    for (int k = 0; k < 3; k++)
+        for (int quantity = DIF_QUANTITY_POWER; quantity <= DIF_QUANTITY_BRDF; quantity++) {
+            dif_measure_opts opts = make_opts((dif_quantity)quantity);
+            dif_shadow shadow;
+            dif_table want;
+            dif_model_built built;
+            double peak = 0.0;
+            assert_int_equal(dif_shadow_create(SHADOWINGS[k], &field, &shadow, NULL), DIF_OK);
+            opts.shadow = &shadow;
+            assert_int_equal(dif_measure_table(&field, &plan, TOL, &opts, &want, NULL, NULL), DIF_OK);
+            assert_int_equal(dif_model_build_table(&field, DIF_MODEL_SHEET, &plan, TOL, &opts, &built, NULL), DIF_OK);
+            assert_ptr_equal(built.model.shadow, &shadow);
+            dif_evaluator cpu = open_cpu(&built);
+            assert_int_equal(cpu.table(cpu.self, &plan, value, NULL, NULL), DIF_OK);
+            for (size_t i = 0; i < n; i++)
+                peak = fmax(peak, want.value[i]);
+            for (size_t i = 0; i < n; i++)
+                assert_same(value[i], want.value[i], peak);
+            dif_evaluator_close(&cpu);
+            dif_model_built_free(&built);
+            dif_table_free(&want);
+            if (quantity == DIF_QUANTITY_RHO) {
+                assert_int_equal(dif_measure_colours(&field, &plan, TOL, &opts, want_xyz, NULL, NULL), DIF_OK);
+                assert_int_equal(dif_model_build_volume(&field, DIF_MODEL_SHEET, plan.n_lambda, plan.lambda_um, NULL,
+                                                        TOL, &opts, NULL, &built, NULL),
+                                 DIF_OK);
+                cpu = open_cpu(&built);
+                assert_int_equal(cpu.colours(cpu.self, (size_t)plan.n_angle, wi, wo, xyz, NULL, NULL), DIF_OK);
+                for (int i = 0; i < plan.n_angle; i++)
+                    for (int c = 0; c < 3; c++)
+                        assert_same(xyz[i][c], want_xyz[i][c], 1.0);
+                dif_evaluator_close(&cpu);
+                dif_model_built_free(&built);
+            }
+            dif_shadow_free(&shadow);
+        }
+    free(value);
+    free(xyz);
+    free(want_xyz);
+    free(wi);
+    free(wo);
+    dif_plan_free(&plan);
+    dif_field_free(&field);
+}
+
 static void test_reach__of_a_fixed_direction_serves_its_map(void **state)
 {
     (void)state;
@@ -307,6 +365,7 @@ int main(void)
         cmocka_unit_test(test_values__equal_measured_queries),
         cmocka_unit_test(test_colours__equal_measured_ones),
         cmocka_unit_test(test_colours__of_a_lut_are_its_own_times_the_gain),
+        cmocka_unit_test(test_shadow__is_that_of_the_options),
         cmocka_unit_test(test_reach__of_a_fixed_direction_serves_its_map),
         cmocka_unit_test(test_build__bad_requests_have_their_codes),
         cmocka_unit_test(test_build__every_failing_allocation_is_reported),

@@ -59,7 +59,7 @@ void dif_speed_must(dif_status status, const dif_error *err)
     exit(EXIT_FAILURE);
 }
 
-void dif_speed_surface(const char *file, double height_um, int kind, int n_side, dif_field *out)
+void dif_speed_surface(const char *file, double height_um, dif_surface_kind kind, int n_side, dif_field *out)
 {
     const char *folder = getenv("DIFFBENCH_DATA");
     char path[4096];
@@ -73,7 +73,7 @@ void dif_speed_surface(const char *file, double height_um, int kind, int n_side,
         *out = scan.field;
         return;
     }
-    dif_surface surface = dif_surface_default((dif_surface_kind)kind);
+    dif_surface surface = dif_surface_default(kind);
     if (n_side > 0)
         surface.nx = surface.ny = n_side;
     else

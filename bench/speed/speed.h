@@ -8,6 +8,7 @@
 
 #include "bench/measure.h"
 #include "core/field.h"
+#include "fixtures/surfaces.h"
 
 enum { DIF_SPEED_REPS = 7 };
 
@@ -28,7 +29,7 @@ void dif_speed_print(const dif_speed *speed, const char *name, size_t n, double 
                      double direct_s_per_sample);
 
 /* A measured scan of the data folder, or its synthetic look-alike with a line on stderr. */
-void dif_speed_surface(const char *file, double height_um, int kind, int n_side, dif_field *out);
+void dif_speed_surface(const char *file, double height_um, dif_surface_kind kind, int n_side, dif_field *out);
 
 /* Ends the program with the message of a failed call. */
 void dif_speed_must(dif_status status, const dif_error *err);

@@ -1,10 +1,12 @@
-// What an evaluator answers: sheet, nmm, pq and stam at listed directions.  Set before: DIF_KIND, DIF_JOB, DIF_QUANTITY.
+// What an evaluator answers: sheet, nmm, pq and stam at listed directions.  Set before: DIF_KIND, DIF_JOB, DIF_QUANTITY,
+// DIF_SHADOWING.
 
 uniform sampler2D directions; // entries of DIF_DIR_STRIDE pairs
 uniform sampler2D waves;      // entries of DIF_WAVE_STRIDE pairs
 uniform sampler2D asked;      // nmm: entries of DIF_ASK_STRIDE pairs
 uniform sampler2D spectrum;   // nmm: (x, y), (z, D65) from 380 to 780 nm in 1 nm
 uniform sampler2D before;     // the sum over the sheets before this one
+uniform sampler2D masking;    // core/shadow.h's table
 #ifdef DIF_WIDTH_Y
 uniform sampler2DArray planes;
 #else
@@ -19,6 +21,7 @@ layout(std140) uniform dif_block {
     vec4 gain;                    // share of this sheet; n; kappa; area_um2
     vec4 more;                    // nmm: range_um, weight over lambda^2 times s; stam: (2 pi sigma)^2 over d^2 and d'^2
     vec4 scale;                   // nmm: of X, Y, Z
+    vec4 root;                    // of the slopes' covariance: dif_shadow_place
 } p;
 
 // p of the direction whose coordinates begin at pair d, u and v at pair t, and the wave that begins at pair q.
@@ -62,12 +65,20 @@ vec3 coordinates(int d, float scale)
 
 float gain_of(vec3 uvw, int d, float lambda_um)
 {
-#if DIF_QUANTITY == DIF_QUANTITY_IS_RHO
-    return dif_gain_rho(uvw, dif_list(directions, d + DIF_DIR_COSINES), p.gain.yz);
-#elif DIF_QUANTITY == DIF_QUANTITY_IS_BRDF
-    return dif_gain_per_sr(uvw, dif_list(directions, d + DIF_DIR_COSINES), p.gain.yz, lambda_um, p.gain.w);
-#else
+#if DIF_QUANTITY == DIF_QUANTITY_IS_POWER
     return 1.0;
+#else
+    vec2 cosines = dif_list(directions, d + DIF_DIR_COSINES);
+#if DIF_QUANTITY == DIF_QUANTITY_IS_RHO
+    float gain = dif_gain_rho(uvw, cosines, p.gain.yz);
+#else
+    float gain = dif_gain_per_sr(uvw, cosines, p.gain.yz, lambda_um, p.gain.w);
+#endif
+#if DIF_SHADOWING != DIF_SHADOWING_IS_NONE
+    gain *= dif_shadow_factor(masking, p.root.xyz, uvw, vec3(dif_list(directions, d + DIF_DIR_WI), cosines.x),
+                              vec3(dif_list(directions, d + DIF_DIR_WO), cosines.y));
+#endif
+    return gain;
 #endif
 }
 
