@@ -136,41 +136,45 @@ static bool is_finite_colour(const double xyz[3])
     return isfinite(xyz[0]) && isfinite(xyz[1]) && isfinite(xyz[2]);
 }
 
-static double difference(const double a[3], const double b[3], double exposure)
+double dif_regress_difference(const double a[3], const double b[3], double exposure)
 {
     double scaled_a[3], scaled_b[3], lab_a[3], lab_b[3];
     const bool fine_a = is_finite_colour(a), fine_b = is_finite_colour(b);
     if (!fine_a || !fine_b)
         return fine_a == fine_b ? 0.0 : (double)INFINITY;
+    const double brighter = fmax(a[1], b[1]), own = exposure * brighter > 1.0 ? 1.0 / brighter : exposure;
     for (int c = 0; c < 3; c++) {
-        scaled_a[c] = exposure * a[c];
-        scaled_b[c] = exposure * b[c];
+        scaled_a[c] = own * a[c];
+        scaled_b[c] = own * b[c];
     }
     dif_colour_lab_from_xyz(scaled_a, lab_a);
     dif_colour_lab_from_xyz(scaled_b, lab_b);
     return dif_colour_difference_2000(lab_a, lab_b);
 }
 
-dif_status dif_regress_colours(size_t n, double (*a)[3], double (*b)[3], dif_regress_stat *de, double *exposure,
+dif_status dif_regress_colours(size_t n, double (*a)[3], double (*b)[3], double exposure, dif_regress_stat *de,
                                dif_error *err)
 {
     *de = (dif_regress_stat){.worst = -1.0};
-    *exposure = 1.0;
     if (n == 0)
         return dif_fail(err, DIF_ERR_ARG, "nothing to compare");
+    if (!(exposure > 0.0 && isfinite(exposure)))
+        return dif_fail(err, DIF_ERR_ARG, "an exposure of %g, want > 0", exposure);
     double *value = dif_alloc(n, sizeof *value);
     if (!value)
         return dif_fail(err, DIF_ERR_NOMEM, "no memory to compare %zu colours", n);
-    for (size_t i = 0; i < n; i++)
-        value[i] = isfinite(b[i][1]) ? b[i][1] : 0.0;
-    qsort(value, n, sizeof *value, ascending);
-    const double white = quantile(n, value, 0.99);
-    *exposure = white > 0.0 ? 1.0 / white : 1.0;
+    size_t m = 0;
     for (size_t i = 0; i < n; i++) {
-        value[i] = difference(a[i], b[i], *exposure);
-        note_worst(value[i], i, a[i][1], b[i][1], de);
+        if (isnan(a[i][1]) && isnan(b[i][1]))
+            continue;
+        value[m] = dif_regress_difference(a[i], b[i], exposure);
+        note_worst(value[m], i, a[i][1], b[i][1], de);
+        m++;
     }
-    fill_quantiles(n, value, de);
+    if (m > 0)
+        fill_quantiles(m, value, de);
+    else
+        *de = (dif_regress_stat){0};
     dif_release(value);
     return DIF_OK;
 }

@@ -41,11 +41,14 @@ DIF_MUST_USE dif_status dif_regress_values(size_t n, const double *a, const doub
 DIF_MUST_USE dif_status dif_regress_tables(const dif_table *a, const dif_table *b, double floor_share, dif_regress *out,
                                            dif_error *err);
 
-/* CIEDE2000 of n colours, XYZ under D65, at the exposure that makes the 99th percentile of b's Y white.
- * A colour with a number that is not finite on one side differs by infinity.
- * Status    DIF_ERR_ARG (n = 0), DIF_ERR_NOMEM */
-DIF_MUST_USE dif_status dif_regress_colours(size_t n, double (*a)[3], double (*b)[3], dif_regress_stat *de,
-                                            double *exposure, dif_error *err);
+/* CIEDE2000 of two colours, XYZ under D65, at an exposure; a pair brighter than white is dimmed to it, because nothing
+ * shows it brighter. Numbers that are not finite on one side differ by infinity, on both sides by nothing. */
+double dif_regress_difference(const double a[3], const double b[3], double exposure);
+
+/* The same of n pairs; those that are NaN on both sides count nowhere.
+ * Status    DIF_ERR_ARG (n = 0, exposure not > 0), DIF_ERR_NOMEM */
+DIF_MUST_USE dif_status dif_regress_colours(size_t n, double (*a)[3], double (*b)[3], double exposure,
+                                            dif_regress_stat *de, dif_error *err);
 
 /* Maxima of two tables: each of b's above a floor, and the nearest of a's at the same wavelength. */
 typedef struct dif_regress_peaks {

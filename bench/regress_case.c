@@ -4,6 +4,8 @@
 
 #include "bench/regress_impl.h"
 #include "bench/table_cut.h"
+#include "core/alloc.h"
+#include "core/io/map_io.h"
 #include "core/units.h"
 
 /* Beyond this angle gains rise too fast for a ridge model. */
@@ -92,6 +94,24 @@ static dif_status judge_table(const dif_field *field, const dif_regress_plan *pl
     return status;
 }
 
+/* The exposure that a picture of the reference's map would have: what shines outside the mirror beam is seen. */
+static dif_status choose_exposure(const dif_regress_plan *plan, const double *reference, double *exposure,
+                                  dif_error *err)
+{
+    const size_t n = 3 * (size_t)plan->n_pixel * (size_t)plan->n_pixel;
+    dif_map_image image = {.n_pixel = plan->n_pixel,
+                           .theta_rad = acos(fmin(plan->wi.z, 1.0)),
+                           .phi_rad = atan2(plan->wi.y, plan->wi.x),
+                           .xyz = dif_alloc(n, sizeof(float))};
+    if (!image.xyz)
+        return dif_fail(err, DIF_ERR_NOMEM, "no memory for the exposure of %d pixels across", plan->n_pixel);
+    for (size_t i = 0; i < n; i++)
+        image.xyz[i] = isfinite(reference[i]) ? (float)reference[i] : 0.0f;
+    *exposure = dif_map_exposure(&image);
+    dif_release(image.xyz);
+    return DIF_OK;
+}
+
 dif_status dif_regress_judge(const dif_field *field, const dif_regress_plan *plan, const dif_measure_opts *opts,
                              double *device, double *reference, dif_regress_case *out, dif_error *err)
 {
@@ -102,7 +122,9 @@ dif_status dif_regress_judge(const dif_field *field, const dif_regress_plan *pla
         return dif_regress_values(n * (size_t)plan->n_layer, device, reference, plan->floor_share, &out->values, err);
     dif_status status = dif_regress_values(3 * n, device, reference, plan->floor_share, &out->values, err);
     if (status == DIF_OK)
-        status = dif_regress_colours(n, (double(*)[3])device, (double(*)[3])reference, &out->de, &out->exposure, err);
+        status = choose_exposure(plan, reference, &out->exposure, err);
+    if (status == DIF_OK)
+        status = dif_regress_colours(n, (double(*)[3])device, (double(*)[3])reference, out->exposure, &out->de, err);
     out->has_colours = status == DIF_OK;
     return status;
 }

@@ -21,7 +21,7 @@ static void write_tables_findings(FILE *html, const json_t *cases)
         if (!json_is_object(peaks))
             continue;
         dif_html_plain(dif_result_number(peaks, "n"), "", a);
-        dif_html_number(dif_result_number(peaks, "shift_deg"), 2, "°", b);
+        dif_html_number(dif_result_number(peaks, "shift_deg"), 2, "deg", b);
         fprintf(html, "<li>%s, %s: %s maxima beside the mirror beam, ", dif_result_text(one, "method"),
                 dif_result_text(one, "path"), a);
         dif_html_plain(dif_result_number(peaks, "n_lost"), "", a);
@@ -30,7 +30,9 @@ static void write_tables_findings(FILE *html, const json_t *cases)
             dif_html_uncertain(dif_result_number(fit, "device_nm"), dif_result_number(fit, "device_u_nm"), "nm", a);
             dif_html_uncertain(dif_result_number(fit, "reference_nm"), dif_result_number(fit, "reference_u_nm"), "nm",
                                b);
-            fprintf(html, " Fitted period: %s from the GPU’s table, %s from the CPU’s. ", a, b);
+            fprintf(html, " Fitted period: %s from the GPU’s table, %s from the CPU’s, ", a, b);
+            dif_html_number(dif_result_number(fit, "device_nm") - dif_result_number(fit, "reference_nm"), 2, "nm", a);
+            fprintf(html, "a difference of %s. ", a);
             dif_html_text(html, dif_result_text(fit, "text"));
         }
         fputs("</li>\n", html);
@@ -233,8 +235,9 @@ static void write_limits(FILE *html, const json_t *thresholds)
     }
     fputs(
         "</tbody><caption>The last row that fits a case counts. Relative: |a − b| / max(|a|, |b|, floor), the floor "
-        "being a share of the maximum; colours are compared at the exposure that makes the brightest hundredth of the "
-        "directions white.</caption></table>\n",
+        "being a share of the maximum. Colours are compared at the exposure of a picture of the map, where the pixels "
+        "brighter than white hold a tenth of the light outside the mirror beam; brighter ones are dimmed to white."
+        "</caption></table>\n",
         html);
 }
 

@@ -145,32 +145,53 @@ static void test_colours__difference_is_that_of_exposed_colours(void **state)
 {
     (void)state;
     enum { N = 100 };
-    double a[N][3], b[N][3], exposure, lab_a[3], lab_b[3];
+    double a[N][3], b[N][3], lab_a[3], lab_b[3], xyz_a[3], xyz_b[3];
+    const double exposure = 0.7;
     dif_regress_stat de;
+    dif_error err;
     for (int i = 0; i < N; i++)
         for (int c = 0; c < 3; c++)
             a[i][c] = b[i][c] = 0.01 * (i + 1);
     a[40][0] *= 1.1;
-    assert_int_equal(dif_regress_colours(N, a, b, &de, &exposure, NULL), DIF_OK);
-    assert_near(exposure, 1.0 / 0.99, 1e-12, 0.0);
+    assert_int_equal(dif_regress_colours(N, a, b, exposure, &de, NULL), DIF_OK);
     for (int c = 0; c < 3; c++) {
-        lab_a[c] = a[40][c] * exposure;
-        lab_b[c] = b[40][c] * exposure;
+        xyz_a[c] = a[40][c] * exposure;
+        xyz_b[c] = b[40][c] * exposure;
     }
-    const double xyz_a[3] = {lab_a[0], lab_a[1], lab_a[2]}, xyz_b[3] = {lab_b[0], lab_b[1], lab_b[2]};
     dif_colour_lab_from_xyz(xyz_a, lab_a);
     dif_colour_lab_from_xyz(xyz_b, lab_b);
     assert_near(de.worst, dif_colour_difference_2000(lab_a, lab_b), 1e-12, 0.0);
     assert_int_equal(de.worst_at, 40);
     assert_near(de.p95, 0.0, 0.0, 0.0);
-    a[3][2] = (double)NAN;
-    assert_int_equal(dif_regress_colours(N, a, b, &de, &exposure, NULL), DIF_OK);
+    a[3][1] = (double)NAN;
+    assert_int_equal(dif_regress_colours(N, a, b, exposure, &de, NULL), DIF_OK);
     assert_true(isinf(de.worst));
     assert_int_equal(de.worst_at, 3);
     b[3][1] = (double)NAN;
-    assert_int_equal(dif_regress_colours(N, a, b, &de, &exposure, NULL), DIF_OK);
+    assert_int_equal(dif_regress_colours(N, a, b, exposure, &de, NULL), DIF_OK);
     assert_int_equal(de.worst_at, 40);
-    assert_int_equal(dif_regress_colours(0, a, b, &de, &exposure, NULL), DIF_ERR_ARG);
+    assert_int_equal(dif_regress_colours(1, a + 3, b + 3, exposure, &de, NULL), DIF_OK);
+    assert_near(de.worst, 0.0, 0.0, 0.0);
+    assert_int_equal(dif_regress_colours(0, a, b, exposure, &de, &err), DIF_ERR_ARG);
+    assert_string_equal(err.text, "nothing to compare");
+    assert_int_equal(dif_regress_colours(N, a, b, 0.0, &de, &err), DIF_ERR_ARG);
+    assert_string_equal(err.text, "an exposure of 0, want > 0");
+}
+
+static void test_difference__light_beyond_white_is_dimmed_to_it(void **state)
+{
+    (void)state;
+    const double a[3] = {0.9, 1.0, 1.1}, b[3] = {0.95, 0.9, 1.1};
+    double bright_a[3], bright_b[3];
+    const double want = dif_regress_difference(a, b, 1.0);
+    assert_true(want > 5.0);
+    for (int c = 0; c < 3; c++) {
+        bright_a[c] = 1e4 * a[c];
+        bright_b[c] = 1e4 * b[c];
+    }
+    assert_near(dif_regress_difference(bright_a, bright_b, 1.0), want, 1e-12, 0.0);
+    assert_near(dif_regress_difference(bright_b, bright_a, 1e-4), want, 1e-9, 0.0);
+    assert_at_most(dif_regress_difference(a, b, 1e-3), 0.2 * want); /* in the dark */
 }
 
 static void test_regress__every_failing_allocation_is_reported(void **state)
@@ -184,11 +205,10 @@ static void test_regress__every_failing_allocation_is_reported(void **state)
             dif_regress r;
             dif_regress_peaks peaks;
             dif_regress_stat de;
-            double exposure;
             test_alloc_fail_from(k);
             const dif_status status = form == 0   ? dif_regress_tables(&a, &a, 1e-5, &r, NULL)
                                       : form == 1 ? dif_regress_peaks_of(&a, &a, 0.01, &peaks, NULL)
-                                                  : dif_regress_colours(2, xyz, xyz, &de, &exposure, NULL);
+                                                  : dif_regress_colours(2, xyz, xyz, 1.0, &de, NULL);
             const int n_call = test_alloc_calls();
             test_alloc_fail_from(0);
             assert_int_equal(status, n_call >= k ? DIF_ERR_NOMEM : DIF_OK);
@@ -206,6 +226,7 @@ int main(void)
         cmocka_unit_test(test_tables__a_mismatch_is_an_error),
         cmocka_unit_test(test_peaks__a_shift_is_found_and_a_lost_one_counted),
         cmocka_unit_test(test_colours__difference_is_that_of_exposed_colours),
+        cmocka_unit_test(test_difference__light_beyond_white_is_dimmed_to_it),
         cmocka_unit_test(test_regress__every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -49,7 +49,7 @@ static void add_options(dif_cli *cli, lut_args *args)
         {"source-deg", DIF_OPT_REAL, &args->source_deg, "[0, 28]", "DEG",
          "angular diameter of the light, which blurs the table (default 0, a point; the sun: 0.53)", NULL},
         {"lambda-nm", DIF_OPT_RANGE, &args->lambda_nm, "(0, inf)", "MIN:MAX:STEP",
-         "wavelengths to add up (default 380:780:5)", NULL},
+         "wavelengths to add up (default 380:780:2; coarser ones are seen one by one between the rows)", NULL},
         {"Colours (operand a table)", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
         {"eval", DIF_OPT_TEXT, &args->eval, NULL, "Q.csv",
          "directions: columns theta_i_deg, phi_i_deg, theta_r_deg, phi_r_deg; - is stdin", NULL},
@@ -356,7 +356,7 @@ int dif_cmd_lut(int argc, char **argv)
                      .n_azimuth = how.n_azimuth,
                      .n_radius = how.n_radius,
                      .n_map = how.n_map,
-                     .lambda_nm = {380.0, 780.0, 5.0, 81}};
+                     .lambda_nm = {380.0, 780.0, 2.0, 201}};
     dif_cli cli;
     args.measure.tol = 1e-4;
     dif_cli_begin(&cli, argc, argv, &HELP);

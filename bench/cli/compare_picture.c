@@ -98,14 +98,8 @@ static void fill_map(const double *a, const double *b, size_t first, canvas *c)
 static void fill_difference(const double (*a)[3], const double (*b)[3], double exposure, canvas *c)
 {
     for (size_t i = 0, n = (size_t)c->nx * (size_t)c->ny; i < n; i++) {
-        double lab[2][3], scaled[2][3];
-        for (int k = 0; k < 3; k++) {
-            scaled[0][k] = exposure * a[i][k];
-            scaled[1][k] = exposure * b[i][k];
-        }
-        dif_colour_lab_from_xyz(scaled[0], lab[0]);
-        dif_colour_lab_from_xyz(scaled[1], lab[1]);
-        c->value[i] = (float)dif_colour_difference_2000(lab[0], lab[1]);
+        const bool none = isnan(a[i][1]) && isnan(b[i][1]);
+        c->value[i] = none ? NAN : (float)fmin(dif_regress_difference(a[i], b[i], exposure), DE_HIGH);
     }
 }
 

@@ -80,8 +80,11 @@ static dif_status load_file(const dif_cli *cli, const dif_compare_args *args, in
     if (!status)
         status = dif_cli_manifest_surface(&out->manifest, &file, err);
     if (!status && out->is_grating && isnan(args->period_nm)) {
-        status = dif_measure_find_period(&file.field, &out->opts, err);
-        out->has_period = !status;
+        dif_error why;
+        const dif_status found = dif_measure_find_period(&file.field, &out->opts, &why);
+        out->has_period = found == DIF_OK; /* without one, what needs it is left out */
+        if (found == DIF_ERR_NOMEM)
+            status = dif_fail(err, found, "%s", why.text);
     }
     out->field = file.field;
     file.field = (dif_field){0};
