@@ -178,6 +178,15 @@ static bool is_worse(const json_t *row)
     return strcmp(dif_result_text(row, "state"), "worse") == 0 || strcmp(dif_result_text(row, "state"), "missing") == 0;
 }
 
+/* A number, or a verdict's word. */
+static void moved_value(const json_t *row, const char *key, char out[24])
+{
+    if (*dif_result_text(row, key))
+        snprintf(out, 24, "%s", dif_result_text(row, key));
+    else
+        snprintf(out, 24, "%.4g", dif_result_number(row, key));
+}
+
 /* One test for all that stayed, one for each that got worse. */
 static void baseline_suite(FILE *xml, const json_t *doc, const json_t *baseline, size_t n_worse)
 {
@@ -187,13 +196,14 @@ static void baseline_suite(FILE *xml, const json_t *doc, const json_t *baseline,
     fputs("   <testcase name=\"all others\" classname=\"diffbench.compare.baseline\" time=\"0.000\"/>\n", xml);
     json_array_foreach(dif_result_at(baseline, "rows"), i, row)
     {
-        char name[320], message[120];
+        char name[320], message[120], before[24], now[24];
         if (!is_worse(row))
             continue;
         snprintf(name, sizeof name, "%s %s %s (%s) %s", dif_result_text(row, "surface"), dif_result_text(row, "method"),
                  dif_result_text(row, "question"), dif_result_text(row, "path"), dif_result_text(row, "metric"));
-        snprintf(message, sizeof message, "%s: before %.4g, now %.4g", dif_result_text(row, "state"),
-                 dif_result_number(row, "before"), dif_result_number(row, "now"));
+        moved_value(row, "before", before);
+        moved_value(row, "now", now);
+        snprintf(message, sizeof message, "%s: before %s, now %s", dif_result_text(row, "state"), before, now);
         fputs("   <testcase", xml);
         attribute(xml, "name", name);
         fputs(" classname=\"diffbench.compare.baseline\" time=\"0.000\">\n    <failure", xml);

@@ -19,7 +19,8 @@ static const dif_cli_help HELP = {
     "GPU.\n"
     "A pass says that the shaders compute what the CPU computes; it does not say that the physics is right.\n",
     "  diffbench fixture blazed --size-um 20 --pixels 256 --out blazed.gsf\n"
-    "  diffbench compare blazed.gsf --sigma-um 5 --methods sheet,stam --map-pixels 33 --out compared\n"
+    "  diffbench compare blazed.gsf --sigma-um 5 --methods sheet,stam --lambda-nm 400:700:20 --map-pixels 33 --out "
+    "compared\n"
     "  diffbench compare --print-thresholds\n"
     "  diffbench compare --rebuild compared\n",
 };
