@@ -123,7 +123,10 @@ DIF_MUST_USE dif_status dif_eval_sheets_cover(const dif_gpu_eval *eval, const di
 /* The shadowing that a model's shader computes: none for powers. */
 dif_shadowing dif_eval_shadowing(const dif_model *model);
 
-/* A shadowing's table as a texture, and the root of its slopes' covariance that dif_shadow_place wants.
+/* The Cholesky factor of a covariance: root[0 ... 2], as dif_shadow_place wants it. */
+void dif_shadow_root(const dif_slope_gauss *slopes, float root[4]);
+
+/* A shadowing's table as a texture, and dif_shadow_root of its slopes.
  * Status    as dif_gl_texture_create;  *out stays zeroed for kinds without a table */
 DIF_MUST_USE dif_status dif_shadow_texture_create(dif_gpu *gpu, const dif_shadow *shadow, dif_gl_texture *out,
                                                   float root[4], dif_error *err);

@@ -11,6 +11,15 @@ dif_shadowing dif_eval_shadowing(const dif_model *model)
     return model->shadow && model->quantity != DIF_QUANTITY_POWER ? model->shadow->kind : DIF_SHADOWING_NONE;
 }
 
+void dif_shadow_root(const dif_slope_gauss *slopes, float root[4])
+{
+    const double along = sqrt(slopes->var_x), across = along > 0.0 ? slopes->cov_xy / along : 0.0;
+    root[0] = (float)along;
+    root[1] = (float)across;
+    root[2] = (float)sqrt(fmax(slopes->var_y - across * across, 0.0));
+    root[3] = 0.0f;
+}
+
 dif_status dif_shadow_texture_create(dif_gpu *gpu, const dif_shadow *shadow, dif_gl_texture *out, float root[4],
                                      dif_error *err)
 {
@@ -28,12 +37,7 @@ dif_status dif_shadow_texture_create(dif_gpu *gpu, const dif_shadow *shadow, dif
     if (status != DIF_OK)
         return status;
     dif_gl_texture_store(out, &whole, 0, shadow->g);
-    const dif_slope_gauss *s = &shadow->slopes;
-    const double along = sqrt(s->var_x), across = along > 0.0 ? s->cov_xy / along : 0.0;
-    root[0] = (float)along;
-    root[1] = (float)across;
-    root[2] = (float)sqrt(fmax(s->var_y - across * across, 0.0));
-    root[3] = 0.0f;
+    dif_shadow_root(&shadow->slopes, root);
     status = dif_gpu_check(gpu, "loading a table of masking", err);
     if (status != DIF_OK)
         dif_gl_texture_delete(gpu, out);

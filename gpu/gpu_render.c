@@ -5,25 +5,30 @@
 #include "gpu/gpu_eval_impl.h"
 #include "gpu/gpu_render_impl.h"
 
-_Static_assert(DIF_SHADOWING_NONE == DIF_SHADOWING_IS_NONE && DIF_SHADOWING_VCAVITY == DIF_SHADOWING_IS_VCAVITY,
-               "core/shared.h");
-
 dif_gpu_render_opts dif_gpu_render_opts_default(void)
 {
     return (dif_gpu_render_opts){.half = false};
 }
 
-static dif_status make_program(dif_gpu_renderer *out, dif_error *err)
+void dif_render_source_make(dif_gl_shader shader[2])
 {
-    static const char *const SAMPLERS[] = {"maps", "masking", "albedo", "relief", "product", "pyramid"};
     static const char *const VERTEX[] = {"prelude.glsl", "shared.h", "mesh_block.glsl", "mesh.vert"};
-    static const char *const FRAGMENT[] = {"prelude.glsl", "shared.h",        "eval.glsl", "colour.glsl",
+    static const char *const FRAGMENT[] = {"prelude.glsl", "shared.h",        "eval.glsl",
+                                           "shadow.glsl",  "colour.glsl",     "slope.glsl",
                                            "filter.glsl",  "mesh_block.glsl", "mesh.frag"};
-    dif_gl_shader shader[2] = {{.stage = GL_VERTEX_SHADER}, {.stage = GL_FRAGMENT_SHADER}};
+    shader[0] = (dif_gl_shader){.stage = GL_VERTEX_SHADER};
+    shader[1] = (dif_gl_shader){.stage = GL_FRAGMENT_SHADER};
     for (size_t i = 0; i < sizeof VERTEX / sizeof *VERTEX; i++)
         dif_gl_shader_add(&shader[0], dif_shader_part(VERTEX[i]));
     for (size_t i = 0; i < sizeof FRAGMENT / sizeof *FRAGMENT; i++)
         dif_gl_shader_add(&shader[1], dif_shader_part(FRAGMENT[i]));
+}
+
+static dif_status make_program(dif_gpu_renderer *out, dif_error *err)
+{
+    static const char *const SAMPLERS[] = {"maps", "masking", "albedo", "relief", "product", "pyramid"};
+    dif_gl_shader shader[2];
+    dif_render_source_make(shader);
     const dif_status status = dif_gl_program_create(out->gpu, 2, shader, &out->program, err);
     if (status != DIF_OK)
         return status;
@@ -65,9 +70,7 @@ static dif_status load_shadow(dif_gpu_renderer *out, const dif_shadow *shadow, d
     p->job[1] = shadow ? (int)shadow->kind : DIF_SHADOWING_IS_NONE;
     if (!shadow || shadow->n_row == 0)
         return DIF_OK;
-    p->slopes[0] = (float)shadow->slopes.var_x;
-    p->slopes[1] = (float)shadow->slopes.var_y;
-    p->slopes[2] = (float)shadow->slopes.cov_xy;
+    dif_shadow_root(&shadow->slopes, p->root);
     p->job[3] = shadow->n_column;
     p->size[0] = shadow->n_row;
     return load_picture(out->gpu, "a table of masking", shadow->n_column, shadow->n_row, 1, shadow->g, GL_CLAMP_TO_EDGE,

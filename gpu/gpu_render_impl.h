@@ -11,7 +11,7 @@
 
 /* Parameters of mesh_block.glsl, std140. */
 typedef struct dif_render_block {
-    float row[3][4], shift[4], eye[4], light[DIF_RENDER_LIGHTS][4], shape[4], more[4], look[4], base[4], slopes[4];
+    float row[3][4], shift[4], eye[4], light[DIF_RENDER_LIGHTS][4], shape[4], more[4], look[4], base[4], root[4];
     int job[4], size[4];
     float relief[4], blur[4], extra[4], spot[DIF_RENDER_MAPS][4];
 } dif_render_block;
@@ -24,6 +24,9 @@ _Static_assert(DIF_FILTER_NONE == DIF_FILTER_IS_NONE && DIF_FILTER_MIP == DIF_FI
 _Static_assert(offsetof(dif_render_block, light) == 80 &&
                    offsetof(dif_render_block, job) == 80 + 16 * (DIF_LIGHT_MAX + 5),
                "std140");
+
+/* The sources of its program: vertex and fragment shader. */
+void dif_render_source_make(dif_gl_shader shader[2]);
 
 /* The mesh on the GPU. */
 typedef struct dif_gl_mesh {

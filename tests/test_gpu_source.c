@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "gpu/gpu_render_impl.h"
 #include "gpu_bench.h"
 
 /* Shaders that wait for the validator, in a folder of their own. */
@@ -108,6 +109,18 @@ static void test_source__every_variant_is_valid(void **state)
     dif_field_free(&field);
 }
 
+static void test_source__renderer_is_valid(void **state)
+{
+    (void)state;
+    need_validator();
+    dif_gl_shader shader[2];
+    dif_render_source_make(shader);
+    pile p = pile_open();
+    pile_add(&p, shader);
+    pile_add(&p, shader + 1);
+    assert_true(pile_is_valid(&p));
+}
+
 static void test_source__colour_functions_are_valid(void **state)
 {
     (void)state;
@@ -153,6 +166,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_source__every_variant_is_valid),
+        cmocka_unit_test(test_source__renderer_is_valid),
         cmocka_unit_test(test_source__colour_functions_are_valid),
         cmocka_unit_test(test_source__kernels_hold_their_coefficients),
     };

@@ -1,11 +1,5 @@
-// Slopes within a pixel: moments of the mesostructure, visible slopes, the table blurred by them.
-// As core/meso.c, core/slope.c, core/lut_filter.c and core/shade_slopes.c.
-
-// Mean and covariance of slopes: m = means, v = (var_x, var_y, cov).
-struct dif_gauss {
-    vec2 mean;
-    vec3 cov;
-};
+// Slopes within a pixel: moments of the mesostructure, and the table blurred by those that are seen (slope.glsl).
+// As core/meso.c, core/lut_filter.c and core/shade_slopes.c.
 
 // Axes of the ellipse that (a b) maps the unit circle to: xy = unit major axis, z = major, w = minor half axis.
 vec4 dif_ellipse(vec2 a, vec2 b)
@@ -36,56 +30,6 @@ dif_gauss dif_relief_moments(sampler2D relief, sampler2D product, vec2 size, flo
     vec2 v = fade * max(sum.zw - sum.xy * sum.xy, vec2(0.0));
     float most = sqrt(v.x * v.y);
     return dif_gauss(sum.xy, vec3(v, clamp(fade * (cross_sum - sum.x * sum.y), -most, most)));
-}
-
-// Standard normal distribution: Abramowitz and Stegun 7.1.26 on the tail, 1e-7.
-float dif_normal_below(float z)
-{
-    float x = abs(z) * 0.70710678, t = 1.0 / (1.0 + 0.3275911 * x);
-    float tail = 0.5 * t * (0.254829592 + t * (-0.284496736 + t * (1.421413741 + t * (-1.453152027 + t * 1.061405429)))) *
-                 dif_exp_minus(x * x);
-    return z < 0.0 ? tail : 1.0 - tail;
-}
-
-// Mean and variance of the standard normal weighted by max(0, z - T): x, y.
-vec2 dif_slope_cut(float z)
-{
-    if (z < -2.0) {
-        float x = -z, r = 0.0, r3 = 0.0, r2 = 0.0;
-        for (int n = 40; n >= 2; n--) {
-            r = 1.0 / (x + float(n + 1) * r);
-            r3 = n == 3 ? r : r3;
-            r2 = r;
-        }
-        return vec2(z - 2.0 * r2, 2.0 * r2 * (3.0 * r3 - 2.0 * r2));
-    }
-    float below = dif_normal_below(z), psi = z * below + 0.398942280 * dif_exp_minus(0.5 * z * z), ratio = below / psi;
-    return vec2(-ratio, clamp(2.0 - z * ratio - ratio * ratio, 0.0, 1.0));
-}
-
-// The slopes of a Gaussian that are seen along wo.
-dif_gauss dif_visible(dif_gauss g, vec3 wo)
-{
-    float sine = length(wo.xy);
-    if (sine < 1e-5 || wo.z <= 0.0)
-        return g;
-    vec2 o = wo.xy / sine;
-    float vo = g.cov.x * o.x * o.x + 2.0 * g.cov.z * o.x * o.y + g.cov.y * o.y * o.y;
-    float vp = g.cov.x * o.y * o.y - 2.0 * g.cov.z * o.x * o.y + g.cov.y * o.x * o.x;
-    float c = (g.cov.y - g.cov.x) * o.x * o.y + g.cov.z * (o.x * o.x - o.y * o.y);
-    float b = sqrt(max(vo, 0.0)) * sine, a = wo.z - dot(g.mean, o) * sine;
-    if (b < 1e-7)
-        return g;
-    float z = a / b;
-    // far above the cut: E = -b/a, V = 1 - (b/a)^2
-    vec2 cut = z > 8.0 ? vec2(-1.0 / z, 1.0 - 1.0 / (z * z)) : dif_slope_cut(z);
-    float along = c / sqrt(vo), mo = dot(g.mean, o) + sqrt(vo) * cut.x;
-    float mp = dot(g.mean, vec2(-o.y, o.x)) + along * cut.x;
-    float voo = vo * cut.y, vop = c * cut.y, vpp = max(vp - along * along * (1.0 - cut.y), 0.0);
-    return dif_gauss(mo * o + mp * vec2(-o.y, o.x),
-                     vec3(voo * o.x * o.x - 2.0 * vop * o.x * o.y + vpp * o.y * o.y,
-                          voo * o.y * o.y + 2.0 * vop * o.x * o.y + vpp * o.x * o.x,
-                          (voo - vpp) * o.x * o.y + vop * (o.x * o.x - o.y * o.y)));
 }
 
 // Clenshaw's sum over one place of a table or of a level of the pyramid; the texels as in dif_lut_colour.

@@ -16,23 +16,20 @@ in vec2 at_uv;
 layout(location = 0) out vec4 light_out; // diffracted light and coverage
 layout(location = 1) out vec4 base_out; // and how much of the facet is seen
 
-// G(k) of one direction.
+// G(k) of one direction, filtered.
 float dif_masking(vec3 k)
 {
-    float across = r.slopes.x * k.x * k.x + 2.0 * r.slopes.z * k.x * k.y + r.slopes.y * k.y * k.y;
-    float t = k.z / (k.z + sqrt(max(across, 0.0)));
+    vec2 place = dif_shadow_place(r.root.xyz, k);
     float rows = float(r.size.x), columns = float(r.job.w);
-    return texture(masking, vec2(dif_atan_turns(k.y, k.x) + 0.5 / columns, (t * (rows - 1.0) + 0.5) / rows)).r;
+    return texture(masking, vec2(place.x + 0.5 / columns, (place.y * (rows - 1.0) + 0.5) / rows)).r;
 }
 
 float dif_shadowing(vec3 wi, vec3 wo)
 {
     if (r.job.y == DIF_SHADOWING_IS_NONE)
         return 1.0;
-    if (r.job.y == DIF_SHADOWING_IS_VCAVITY) {
-        vec3 h = normalize(wi + wo);
-        return min(1.0, 2.0 * h.z * min(wi.z, wo.z) / max(dot(wo, h), 1e-12));
-    }
+    if (r.job.y == DIF_SHADOWING_IS_VCAVITY)
+        return dif_shadow_vcavity(wi + wo, vec2(wi.z, wo.z));
     return dif_masking(wi) * dif_masking(wo);
 }
 
@@ -88,7 +85,9 @@ void main()
     vec2 slope = vec2(0.0);
     vec3 blur = vec3(0.0);
     if (r.size.y == DIF_FILTER_IS_SLOPES) {
-        dif_gauss g = dif_visible(dif_slopes(t, b, uv_dx, uv_dy, n_dx, n_dy), wo);
+        dif_gauss g = dif_slopes(t, b, uv_dx, uv_dy, n_dx, n_dy);
+        if (wo.z > 0.0)
+            g = dif_slope_visible(g, wo).gauss;
         slope = g.mean;
         blur = g.cov;
     } else if (r.size.y == DIF_FILTER_IS_MIP) {

@@ -8,7 +8,7 @@ layout(std140) uniform dif_render {
     vec4 more;  // maps, factor of the stored numbers; n, kappa of the material
     vec4 look;  // cosine and sine of the groove's turn, smallest cosine
     vec4 base;  // rgb of a diffuse base
-    vec4 slopes; // shadowing: var_x, var_y, cov_xy
+    vec4 root;  // shadowing: of the slopes' covariance, dif_shadow_place
     ivec4 job;  // lights, shadowing, base is a texture, columns of the shadowing table
     ivec4 size; // rows of the shadowing table; filter, mesostructure is there
     vec4 relief; // of the mesostructure: texels along x and y, levels, tiles
