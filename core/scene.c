@@ -74,6 +74,50 @@ double dif_camera_distance(double radius, double fov_y_rad, double aspect)
     return radius / sin(fmin(half_x, half_y));
 }
 
+/* The rectangle of clip coordinates that a mesh takes up: low[2], high[2]. */
+static void outline(const dif_mesh *mesh, const dif_projection *projection, double low[2], double high[2])
+{
+    low[0] = low[1] = INFINITY;
+    high[0] = high[1] = -INFINITY;
+    for (int i = 0; i < mesh->n_vertex; i++) {
+        const dif_vec3 p = mesh->position[i];
+        double clip[3];
+        for (int k = 0; k < 3; k++) {
+            const double *row = projection->row[k];
+            clip[k] = row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
+        }
+        for (int k = 0; k < 2; k++) {
+            low[k] = fmin(low[k], clip[k] / clip[2]);
+            high[k] = fmax(high[k], clip[k] / clip[2]);
+        }
+    }
+}
+
+dif_camera dif_camera_framing(const dif_mesh *mesh, double theta_rad, double phi_rad, double fov_y_rad, double aspect,
+                              double share)
+{
+    enum { ROUNDS = 12 }; /* each leaves about a quarter of the error: perspective is mild from there */
+    dif_vec3 target;
+    double radius;
+    dif_mesh_bounds(mesh, &target, &radius);
+    const double whole = radius * dif_camera_distance(1.0, fov_y_rad, aspect), tangent = tan(0.5 * fov_y_rad);
+    double distance = whole;
+    for (int round = 0; round < ROUNDS; round++) {
+        const dif_camera camera = dif_camera_orbit(target, distance, theta_rad, phi_rad, fov_y_rad);
+        const dif_projection projection = dif_scene_projection(&camera, aspect);
+        const dif_vec3 forward = dif_vec3_unit(dif_vec3_add(camera.target, -1.0, camera.eye));
+        const dif_vec3 right = dif_vec3_unit(dif_vec3_cross(forward, camera.up)), up = dif_vec3_cross(right, forward);
+        double low[2], high[2];
+        outline(mesh, &projection, low, high);
+        target = dif_vec3_add(target, 0.5 * (low[0] + high[0]) * tangent * aspect * distance, right);
+        target = dif_vec3_add(target, 0.5 * (low[1] + high[1]) * tangent * distance, up);
+        const double reach = 0.5 * fmax(high[0] - low[0], high[1] - low[1]);
+        /* never so near that the mesh could be behind the camera; a mesh that is seen edge-on as a point stays whole */
+        distance = reach > 0.0 ? fmin(fmax(distance * reach / share, 0.25 * whole), 4.0 * whole) : whole;
+    }
+    return dif_camera_orbit(target, distance, theta_rad, phi_rad, fov_y_rad);
+}
+
 void dif_scene_turn(dif_scene *scene, dif_vec3 centre, double turn_rad)
 {
     static const dif_vec3 z = {0.0, 0.0, 1.0};

@@ -48,6 +48,11 @@ dif_camera dif_camera_orbit(dif_vec3 centre, double distance, double theta_rad, 
 /* The distance from which a ball of the given radius just fills the height or the width of a picture. */
 double dif_camera_distance(double radius, double fov_y_rad, double aspect);
 
+/* The camera from a direction (as dif_camera_orbit) that has the whole mesh in the middle of the picture, its outline
+ * reaching `share` of the half-width or half-height, whichever is reached first. The mesh has an extent. */
+dif_camera dif_camera_framing(const dif_mesh *mesh, double theta_rad, double phi_rad, double fov_y_rad, double aspect,
+                              double share);
+
 /* Turns camera and lights about the vertical through a centre by -turn: what is seen is the mesh turned by +turn. */
 void dif_scene_turn(dif_scene *scene, dif_vec3 centre, double turn_rad);
 

@@ -41,6 +41,33 @@ static void test_distance__a_ball_just_fits(void **state)
     assert_near(tan(asin(2.0 / narrow)), 0.25 * tan(0.4), 1e-14, 0.0);
 }
 
+static void test_framing__fills_the_share_in_the_middle(void **state)
+{
+    (void)state;
+    dif_mesh mesh;
+    dif_error err = {0};
+    assert_int_equal(dif_mesh_create(3, 1, false, &mesh, &err), DIF_OK);
+    mesh.position[0] = (dif_vec3){1.0, 0.0, 0.0};
+    mesh.position[1] = (dif_vec3){3.0, 0.5, 0.2};
+    mesh.position[2] = (dif_vec3){1.5, 2.0, 4.0};
+    const dif_camera camera = dif_camera_framing(&mesh, 1.1, -0.4, 0.6, 1.5, 0.9);
+    const dif_projection p = dif_scene_projection(&camera, 1.5);
+    double low[2] = {2.0, 2.0}, high[2] = {-2.0, -2.0};
+    for (int i = 0; i < 3; i++) {
+        double clip[3];
+        project(&p, mesh.position[i], clip);
+        for (int k = 0; k < 2; k++) {
+            low[k] = fmin(low[k], clip[k] / clip[2]);
+            high[k] = fmax(high[k], clip[k] / clip[2]);
+        }
+    }
+    /* a pixel of a picture of 1000 pixels: what the rounds leave */
+    for (int k = 0; k < 2; k++)
+        assert_near(low[k] + high[k], 0.0, 0.0, 2e-3);
+    assert_near(fmax(high[0], high[1]), 0.9, 0.0, 2e-3);
+    dif_mesh_free(&mesh);
+}
+
 static void test_frame__turns_about_the_normal(void **state)
 {
     (void)state;
@@ -137,6 +164,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_projection__target_is_the_middle_and_the_field_ends_at_one),
         cmocka_unit_test(test_distance__a_ball_just_fits),
+        cmocka_unit_test(test_framing__fills_the_share_in_the_middle),
         cmocka_unit_test(test_frame__turns_about_the_normal),
         cmocka_unit_test(test_turn__is_seen_as_the_mesh_turned),
         cmocka_unit_test(test_texture__is_read_linearly_and_repeats),

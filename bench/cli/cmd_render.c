@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bench/cli/folder.h"
 #include "bench/cli/render.h"
 #include "core/alloc.h"
 #include "core/io/number.h"
@@ -207,7 +208,7 @@ static int execute(const dif_cli *cli, const dif_render_args *args)
 {
     dif_error err = {0};
     render_run run = {.n_frame = args->n_turn > 0 ? args->n_turn : args->has_sweep ? args->sweep_deg.n : 1};
-    dif_status status = args->study ? DIF_OK : dif_cli_check_out(args->out, &err);
+    dif_status status = args->study ? dif_folder_make(args->study, &err) : dif_cli_check_out(args->out, &err);
     if (!status)
         status = dif_render_scene_make(args, &run.scene, &err);
     if (!status)

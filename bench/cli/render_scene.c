@@ -10,19 +10,18 @@
 
 enum { SIDE_MIN = 16, SIDE_MAX = 4096 };
 
-/* How each built-in mesh looks best: where the camera stands (its distance in what shows all of the mesh), where the
- * lights are, how the patch lies. On the snake the patch's y axis, along which the rows of snakes' scans are stacked, points
+/* How each built-in mesh looks best: where the camera stands, where the lights are, how the patch lies. On the snake the patch's y axis, along which the rows of snakes' scans are stacked, points
  * to the tail. */
 static const struct {
-    double camera[3];
+    double camera[2];
     int n_light;
     double light[2][2], groove_deg;
 } LOOKS[] = {
-    [DIF_MESH_PLANE] = {{50.0, -90.0, 0.9}, 1, {{30.0, 90.0}}, 0.0},
-    [DIF_MESH_DISC] = {{45.0, -90.0, 0.8}, 1, {{30.0, 60.0}}, 0.0},
-    [DIF_MESH_CYLINDER] = {{60.0, -90.0, 0.8}, 1, {{30.0, -60.0}}, 0.0},
-    [DIF_MESH_SPHERE] = {{75.0, -90.0, 1.0}, 1, {{40.0, -50.0}}, 0.0},
-    [DIF_MESH_SNAKE] = {{48.0, -90.0, 0.84}, 2, {{35.0, -60.0}, {40.0, 150.0}}, 90.0},
+    [DIF_MESH_PLANE] = {{50.0, -90.0}, 1, {{30.0, 90.0}}, 0.0},
+    [DIF_MESH_DISC] = {{45.0, -90.0}, 1, {{30.0, 60.0}}, 0.0},
+    [DIF_MESH_CYLINDER] = {{60.0, -90.0}, 1, {{30.0, -60.0}}, 0.0},
+    [DIF_MESH_SPHERE] = {{75.0, -90.0}, 1, {{40.0, -50.0}}, 0.0},
+    [DIF_MESH_SNAKE] = {{48.0, -90.0}, 2, {{35.0, -60.0}, {40.0, 150.0}}, 90.0},
 };
 
 bool dif_render_numbers(const char *text, int n_min, int n_max, double *out, int *n)
@@ -73,12 +72,11 @@ static dif_status parse_size(const dif_render_args *args, dif_render_scene *out,
 
 static dif_status place_camera(const dif_render_args *args, dif_mesh_kind kind, dif_render_scene *out, dif_error *err)
 {
-    double at[3] = {LOOKS[kind].camera[0], LOOKS[kind].camera[1], LOOKS[kind].camera[2]}, radius = 0.0;
-    int n = 0;
+    enum { ANGLES = 2, WITH_DISTANCE = 3 };
+    static const double SHARE = 0.94; /* of the picture that the mesh fills */
+    double at[3] = {LOOKS[kind].camera[0], LOOKS[kind].camera[1], 1.0}, radius = 0.0;
+    int n = ANGLES;
     dif_mesh_bounds(&out->mesh, &out->centre, &radius);
-    const double fov_rad = dif_rad_from_deg(args->fov_deg);
-    const double fit = dif_camera_distance(1.0, fov_rad, (double)out->nx / out->ny);
-    at[2] *= fit;
     if (args->camera && !(dif_render_numbers(args->camera, 2, 3, at, &n) && fabs(at[0]) <= 180.0 && at[2] > 0.0))
         return dif_fail(err, DIF_ERR_ARG,
                         "--camera '%s': expected THETA,PHI or THETA,PHI,DISTANCE, |THETA| <= 180, "
@@ -86,13 +84,18 @@ static dif_status place_camera(const dif_render_args *args, dif_mesh_kind kind, 
                         args->camera);
     if (!(radius > 0.0))
         return dif_fail(err, DIF_ERR_FORMAT, "%s: the mesh has no extent", args->mesh);
-    if (args->camera && n == 2)
-        at[2] = fit;
+    const double fov_rad = dif_rad_from_deg(args->fov_deg), aspect = (double)out->nx / out->ny;
+    const double theta_rad = dif_rad_from_deg(at[0]), phi_rad = dif_rad_from_deg(at[1]);
+    const double all = dif_camera_distance(1.0, fov_rad, aspect); /* shows the mesh however it turns */
+    const bool is_framed = n < WITH_DISTANCE && args->n_turn == 0;
+    dif_camera *camera = &out->scene.camera;
+    *camera = is_framed ? dif_camera_framing(&out->mesh, theta_rad, phi_rad, fov_rad, aspect, SHARE)
+                        : dif_camera_orbit(out->centre, (n < WITH_DISTANCE ? all : at[2]) * radius, theta_rad, phi_rad,
+                                           fov_rad);
+    const dif_vec3 away = dif_vec3_add(camera->eye, -1.0, camera->target);
     out->camera_theta_deg = at[0];
     out->camera_phi_deg = at[1];
-    out->camera_distance = at[2];
-    out->scene.camera =
-        dif_camera_orbit(out->centre, at[2] * radius, dif_rad_from_deg(at[0]), dif_rad_from_deg(at[1]), fov_rad);
+    out->camera_distance = sqrt(dif_vec3_dot(away, away)) / radius;
     return DIF_OK;
 }
 

@@ -48,13 +48,9 @@ static dif_status draw(const dif_report_job *job, const dif_lut *lut, const dif_
     const double fov_rad = dif_rad_from_deg(30.0);
     dif_shade_opts how = dif_shade_opts_default();
     dif_evaluator cpu = {0};
-    dif_vec3 centre;
-    double radius;
-    dif_mesh_bounds(mesh, &centre, &radius);
     dif_scene scene = {.mesh = mesh,
-                       .camera =
-                           dif_camera_orbit(centre, 0.78 * radius * dif_camera_distance(1.0, fov_rad, 2.0),
-                                            dif_rad_from_deg(camera_deg[0]), dif_rad_from_deg(camera_deg[1]), fov_rad),
+                       .camera = dif_camera_framing(mesh, dif_rad_from_deg(camera_deg[0]),
+                                                    dif_rad_from_deg(camera_deg[1]), fov_rad, 2.0, 0.94),
                        .n_light = 2,
                        .groove_rad = dif_rad_from_deg(groove_deg)};
     for (int i = 0; i < 2; i++)
