@@ -67,6 +67,15 @@ dif_gpu_eval_opts dif_gpu_eval_opts_default(void);
 DIF_MUST_USE dif_status dif_gpu_evaluator_open(dif_gpu *gpu, const dif_model *model, const dif_gpu_eval_opts *opts,
                                                dif_evaluator *out, dif_error *err);
 
+/* Reads a pixel that a game can afford: what an integrated table should stay within. More work, only slower. */
+enum { DIF_GPU_READS_WANTED = 16 };
+
+/* Texture reads of one colour of a model on the GPU: of its planes or maps (four numbers a read), of the lists that say
+ * where, and of a table of shadowing. Needs no GPU.
+ *
+ * Given     n_wave  wavelengths that the direction sees: n_lambda of sheet, pq and stam, bins of nmm; a lut has none */
+double dif_gpu_reads_of_colour(const dif_model *model, double n_wave);
+
 #ifdef __cplusplus
 }
 #endif

@@ -13,6 +13,7 @@
 #include "core/io/file.h"
 #include "core/io/lut_io.h"
 #include "core/units.h"
+#include "gpu/gpu.h"
 
 static const dif_cli_help HELP = {
     "SURFACE|TABLE",
@@ -144,11 +145,19 @@ static json_t *json_errors(const dif_lut_errors *errors)
                      "worst", dif_json_number(errors->worst));
 }
 
+/* Reads of a pixel of rho on a GPU. */
+static double gpu_reads(const dif_lut *lut)
+{
+    const dif_model model = {.kind = DIF_MODEL_LUT, .lut = lut, .quantity = DIF_QUANTITY_RHO};
+    return dif_gpu_reads_of_colour(&model, 0.0);
+}
+
 static json_t *json_build(const lut_args *args, const build_run *run)
 {
-    json_t *object = json_pack("{s:i, s:i, s:i, s:o, s:s, s:o}", "azimuths", run->lut.n_azimuth, "radii",
-                               run->lut.n_radius, "maps", run->lut.n_map, "tail", dif_json_number(run->lut.tail), "out",
-                               args->out, "provenance", dif_json_manifest(&run->manifest));
+    json_t *object =
+        json_pack("{s:i, s:i, s:i, s:o, s:o, s:s, s:o}", "azimuths", run->lut.n_azimuth, "radii", run->lut.n_radius,
+                  "maps", run->lut.n_map, "gpu_reads", dif_json_number(gpu_reads(&run->lut)), "tail",
+                  dif_json_number(run->lut.tail), "out", args->out, "provenance", dif_json_manifest(&run->manifest));
     if (run->check.n > 0)
         json_object_set_new(object, "check",
                             json_pack("{s:i, s:o, s:o, s:o, s:o}", "directions", run->check.n, "brightest_Y",
@@ -170,6 +179,9 @@ static void say(const dif_cli *cli, const lut_args *args, const build_run *run)
                 run->lut.n_radius, run->lut.n_map, args->lambda_nm.n, run->n_window, run->n_window == 1 ? "" : "s",
                 args->measure.average == DIF_AVERAGE_BY_SURFACE ? " (by default; --average chooses)" : "");
     dif_cli_say(cli, "further maps would change a colour by at most %.2g (Y = 1 is a mirror)", run->lut.tail);
+    if (gpu_reads(&run->lut) > DIF_GPU_READS_WANTED)
+        dif_cli_say(cli, "a pixel costs %.0f texture reads on a GPU, more than the %d that real time allows: --maps 16",
+                    gpu_reads(&run->lut), DIF_GPU_READS_WANTED);
     if (check->n == 0)
         return;
     dif_cli_say(cli,

@@ -146,6 +146,15 @@ static dif_status open_reader(const dif_model *model, const dif_render_source *s
     return dif_gpu_evaluator_open(gpu, model, NULL, &out->evaluator, err);
 }
 
+static void say_reads(const dif_cli *cli, const dif_lut *lut)
+{
+    const dif_model model = {.kind = DIF_MODEL_LUT, .lut = lut, .quantity = DIF_QUANTITY_RHO};
+    const double reads = dif_gpu_reads_of_colour(&model, 0.0);
+    if (reads > DIF_GPU_READS_WANTED)
+        dif_cli_say(cli, "%d maps cost a pixel %.0f texture reads, more than the %d that real time allows", lut->n_map,
+                    reads, DIF_GPU_READS_WANTED);
+}
+
 dif_status dif_render_engine_open(const dif_cli *cli, const dif_render_args *args, const dif_render_source *source,
                                   const dif_render_scene *scene, dif_gpu *gpu, dif_render_method method,
                                   dif_render_engine *out, dif_error *err)
@@ -164,6 +173,8 @@ dif_status dif_render_engine_open(const dif_cli *cli, const dif_render_args *arg
     const dif_lut *lut = source->is_lut ? out->model.lut : out->built.model.lut;
     if (!status && method == DIF_RENDER_LUT && wants_blurred(args))
         status = dif_lut_filter_create(lut, BLURRED_SIDE, &out->blurred, err);
+    if (!status && gpu && lut)
+        say_reads(cli, lut);
     if (status)
         dif_render_engine_close(out);
     return status;

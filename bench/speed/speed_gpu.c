@@ -143,9 +143,9 @@ static void header(void)
     printf("name,n,tol,err_reached,reps,min_s,median_s,per_s,reads_per_pixel,frame_s,upload_s,download_s,de2000_p95\n");
 }
 
-/* A frame by one method. reads: of textures a pixel, lists included. tiles: measure those only. */
+/* A frame by one method. n_wave: wavelengths that a pixel sees. tiles: measure those only. */
 static double run_frame(const bench *b, const char *name, const dif_model *model, const dif_model *full,
-                        dif_gpu_eval_opts opts, bool tiles, double reads)
+                        dif_gpu_eval_opts opts, bool tiles, double n_wave)
 {
     const size_t n_max = tiles ? (size_t)TILES * TILE * TILE : (size_t)b->width * (size_t)b->height;
     dif_vec3 *wi = room(n_max, sizeof *wi), *wo = room(n_max, sizeof *wo);
@@ -167,20 +167,13 @@ static double run_frame(const bench *b, const char *name, const dif_model *model
     const double per_pixel_s = run_s[REPS / 2] / (double)n;
     printf("%s %s%s,%zu,%.0e,%.2e,%d,%.6f,%.6f,%.4g,%.1f,%.6f,%.4f,%.4f,%.3f\n", name,
            opts.path == DIF_GPU_COMPUTE ? "compute" : "fragment", opts.half ? " half" : "", n, TOL_FRAME, worst, REPS,
-           run_s[0], run_s[REPS / 2], 1.0 / per_pixel_s, reads, per_pixel_s * WIDTH * HEIGHT, cost.upload_s,
-           cost.download_s, p95);
+           run_s[0], run_s[REPS / 2], 1.0 / per_pixel_s, dif_gpu_reads_of_colour(model, n_wave),
+           per_pixel_s * WIDTH * HEIGHT, cost.upload_s, cost.download_s, p95);
     fflush(stdout);
     dif_release(wi);
     dif_release(wo);
     dif_release(xyz);
     return per_pixel_s;
-}
-
-/* Reads of one wave of a volume sheet: coordinates and their factors, two texels of weights, the taps. */
-static double reads_of_wave(const dif_sheet *sheet)
-{
-    const double taps = dif_sheet_info_of(sheet).n_tap;
-    return 3.0 + 3.0 + 2.0 + taps * taps * taps;
 }
 
 /* nmm reads as many waves as a direction sees bins: the mean over the frame. */
@@ -218,27 +211,24 @@ static void frames(bench *b)
     fine.n_lambda = b->n_fine;
     fine.lambda_um = b->fine_um;
     model.kind = DIF_MODEL_LUT;
-    const double layers = ceil(0.75 * b->lut.n_map);
-    b->lut_s_per_pixel = run_frame(b, "lut", &model, &fine, opts, false, 3.0 + layers);
+    b->lut_s_per_pixel = run_frame(b, "lut", &model, &fine, opts, false, 0.0);
     opts.half = true;
-    run_frame(b, "lut", &model, &fine, opts, false, 3.0 + layers);
+    run_frame(b, "lut", &model, &fine, opts, false, 0.0);
     opts.path = DIF_GPU_FRAGMENT;
-    run_frame(b, "lut", &model, &fine, opts, false, 3.0 + layers);
+    run_frame(b, "lut", &model, &fine, opts, false, 0.0);
     opts.half = false;
-    run_frame(b, "lut", &model, &fine, opts, false, 3.0 + layers);
+    run_frame(b, "lut", &model, &fine, opts, false, 0.0);
     for (int path = DIF_GPU_COMPUTE; path <= DIF_GPU_FRAGMENT; path++) {
         opts.path = (dif_gpu_path)path;
         model.kind = DIF_MODEL_STAM;
-        run_frame(b, "stam", &model, &fine, opts, false, b->n_lambda * 6.0);
+        run_frame(b, "stam", &model, &fine, opts, false, b->n_lambda);
         model.kind = DIF_MODEL_NMM;
-        run_frame(b, "nmm", &model, &fine, opts, slow,
-                  2.0 + waves_of_nmm(b, &model.nmm) * (reads_of_wave(b->sheet) + 2.0));
+        run_frame(b, "nmm", &model, &fine, opts, slow, waves_of_nmm(b, &model.nmm));
         model.kind = DIF_MODEL_PQ;
         model.sheet = b->patches;
-        run_frame(b, "pq", &model, &fine, opts, slow, b->n_lambda * (reads_of_wave(b->patch) + 4.0));
+        run_frame(b, "pq", &model, &fine, opts, slow, b->n_lambda);
         model.sheet = b->sheets;
-        const double full_s =
-            run_frame(b, "sheet 81 wavelengths", &full, &fine, opts, slow, b->n_lambda * reads_of_wave(b->sheet));
+        const double full_s = run_frame(b, "sheet 81 wavelengths", &full, &fine, opts, slow, b->n_lambda);
         if (path == DIF_GPU_COMPUTE)
             b->full_s_per_pixel = full_s;
     }

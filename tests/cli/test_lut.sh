@@ -50,6 +50,8 @@ run 0 lut sine.lut.exr --eval d.csv --out e.csv
 ok "stdin and file" cmp -s <(rows piped) <(rows e.csv)
 run 0 lut sine.exr "${small[@]}" --maps 5 --source-deg 0.53 --out sun.exr
 err_has 'x 5 maps'
+run 0 lut sine.exr "${small[@]}" --maps 20 --out many.exr
+err_has 'a pixel costs 19 texture reads on a GPU, more than the 16 that real time allows: --maps 16'
 
 # the same bytes whatever the number of threads
 for n in 1 3; do
