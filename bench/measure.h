@@ -114,7 +114,7 @@ DIF_MUST_USE dif_status dif_measure_colours(const dif_field *field, const dif_pl
                                             dif_error *err);
 
 /* Sets period_um and psi_rad of options from a harmonic fit of the heights (bench/fit.h), the means of pq and stam to
- * find them by themselves. Status of dif_fit_surface. */
+ * find them by themselves. Status of dif_fit_surface; DIF_ERR_ARG if opts is NULL. */
 DIF_MUST_USE dif_status dif_measure_find_period(const dif_field *field, dif_measure_opts *opts, dif_error *err);
 
 /* The period patch that pq replicates and how often, as dif_measure_table makes it.

@@ -117,10 +117,11 @@ static size_t neighbour(double at, int n, double *share)
 dif_status dif_measure_cell(const dif_field *field, const dif_measure_opts *opts, dif_field *cell,
                             struct dif_replica *replica, dif_error *err)
 {
+    const dif_measure_opts defaults = dif_measure_opts_default();
     dif_cell_layout l;
     *cell = (dif_field){0};
     *replica = (dif_replica){0};
-    dif_status status = dif_cell_layout_make(field, opts, &l, err);
+    dif_status status = dif_cell_layout_make(field, opts ? opts : &defaults, &l, err);
     if (status == DIF_OK)
         status = dif_field_create(l.nx, l.ny, l.step_x * field->pitch_x_um, l.step_y * field->pitch_y_um, cell, err);
     if (status != DIF_OK)
@@ -145,6 +146,8 @@ dif_status dif_measure_find_period(const dif_field *field, dif_measure_opts *opt
 {
     dif_fit_surface_result fit, sharp;
     dif_fit_surface_opts how = dif_fit_surface_opts_default();
+    if (!opts)
+        return dif_fail(err, DIF_ERR_ARG, "no options to put the period into");
     const dif_status status = dif_fit_surface(field, &how, &fit, err);
     if (status != DIF_OK)
         return status;

@@ -129,6 +129,15 @@ static void test_pq__finds_its_period_in_the_heights(void **state)
     opts = dif_measure_opts_default();
     assert_int_equal(dif_field_create(64, 64, 0.1, 0.1, &flat, NULL), DIF_OK);
     assert_int_equal(dif_measure_find_period(&flat, &opts, NULL), DIF_ERR_FIT);
+    dif_error err;
+    assert_int_equal(dif_measure_find_period(&flat, NULL, &err), DIF_ERR_ARG);
+    assert_string_equal(err.text, "no options to put the period into");
+    /* the defaults know no period */
+    dif_field cell;
+    dif_replica replica;
+    assert_int_equal(dif_measure_cell(&flat, NULL, &cell, &replica, &err), DIF_ERR_ARG);
+    assert_string_equal(err.text, "sheet needs the surface's period, and none was given");
+    assert_null(cell.z_um);
     assert_true(isnan(opts.period_um));
     dif_field_free(&flat);
 }
