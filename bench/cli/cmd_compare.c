@@ -94,6 +94,8 @@ static void add_question_options(dif_cli *cli, dif_compare_args *args)
         {"grating-nm", DIF_OPT_REAL, &args->period_nm, "(0, inf)", "NM",
          "the period (default: known of built-in gratings; stam alone: that of the strongest structure)", NULL},
         {"groove-deg", DIF_OPT_REAL, &args->groove_deg, "[-360, 360]", "DEG", "azimuth of the groove normal", NULL},
+        {"shadowing", DIF_OPT_CHOICE, &args->shadowing, "none|vcavity|smith|ndf", NULL,
+         "colours: shadowing and masking in rho (default none)", NULL},
         {"n", DIF_OPT_REAL, &args->index_n, "(0, inf)", "N", "refractive index of the sample (default 1.5)", NULL},
         {"kappa", DIF_OPT_REAL, &args->index_kappa, "[0, inf)", "K", "its extinction (default 0)", NULL},
     };

@@ -41,7 +41,8 @@ dif_compare_args dif_compare_args_default(void)
                               .index_n = index.n,
                               .index_kappa = index.kappa,
                               .window = DIF_WINDOW_GAUSS,
-                              .average = DIF_AVERAGE_NONE};
+                              .average = DIF_AVERAGE_NONE,
+                              .shadowing = DIF_SHADOWING_NONE};
 }
 
 bool dif_compare_methods_parse(const char *list, bool *method, char unknown[32])

@@ -20,7 +20,7 @@ typedef struct dif_compare_args {
     dif_range angle_deg, lambda_nm, layer_nm, colour_nm, full_nm;
     int n_pixel, n_azimuth, n_radius;
     double tol_device, tol_reference, sigma_um, period_nm, groove_deg, index_n, index_kappa; /* NaN = not said */
-    int window, average;
+    int window, average, shadowing;
 } dif_compare_args;
 
 dif_compare_args dif_compare_args_default(void);

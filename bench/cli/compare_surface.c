@@ -32,6 +32,7 @@ void dif_compare_surface_free(dif_compare_surface *surface)
     dif_field_free(&surface->field);
     dif_plan_free(&surface->plan);
     dif_manifest_free(&surface->manifest);
+    dif_shadow_free(&surface->shadow);
 }
 
 static bool is_grating_kind(const char *kind)
@@ -107,6 +108,16 @@ static void choose_period(const dif_compare_args *args, const dif_cli_plane *pla
         out->opts.psi_rad = dif_rad_from_deg(args->groove_deg);
 }
 
+/* Shadowing, from this surface's own slopes. */
+static dif_status prepare_shadow(dif_shadowing kind, dif_compare_surface *out, dif_error *err)
+{
+    if (kind == DIF_SHADOWING_NONE)
+        return DIF_OK;
+    const dif_status status = dif_shadow_create(kind, &out->field, &out->shadow, err);
+    out->opts.shadow = &out->shadow;
+    return status ? status : dif_manifest_set(&out->manifest, "shadowing", dif_shadowing_name(kind), err);
+}
+
 dif_status dif_compare_surface_load(const dif_cli *cli, const dif_compare_args *args, int i, dif_compare_surface *out,
                                     dif_error *err)
 {
@@ -118,6 +129,8 @@ dif_status dif_compare_surface_load(const dif_cli *cli, const dif_compare_args *
     out->opts.index = (dif_index){args->index_n, args->index_kappa};
     out->opts.n_thread = cli->n_thread;
     dif_status status = cli->n_operand > 0 ? load_file(cli, args, i, out, err) : load_built_in(cli, i, out, err);
+    if (!status)
+        status = prepare_shadow((dif_shadowing)args->shadowing, out, err);
     if (status)
         return status;
     const dif_spectrum_peak known = {.period_um = out->opts.period_um, .psi_rad = out->opts.psi_rad};

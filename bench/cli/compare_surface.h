@@ -10,7 +10,8 @@ typedef struct dif_compare_surface {
     dif_field field;       /* owned                                                       */
     dif_plan plan;         /* owned: of the table                                         */
     dif_manifest manifest; /* owned                                                       */
-    dif_measure_opts opts; /* with the period, NaN = none                                 */
+    dif_measure_opts opts; /* with the period, NaN = none; its shadowing is the next      */
+    dif_shadow shadow;     /* owned                                                       */
     bool has_period;       /* exactly periodic: nmm-lines and pq make sense               */
     bool is_grating;
     double f_min_per_um, f_max_per_um;

@@ -38,6 +38,19 @@ cp good/index.html first.html
 run 0 compare --rebuild good
 ok "the same page" cmp -s good/index.html first.html
 tiny=("${small[@]}" --methods sheet --paths compute)
+
+# shadowing darkens the colours on either side alike
+for kind in none smith; do
+    run 0 compare "${tiny[@]}" --map-theta-i-deg 80 --shadowing $kind --no-pictures --out "shadow-$kind"
+done
+cp shadow-none/compare.json out
+bright=$(json surfaces.0.cases.2.maximum)
+cp shadow-smith/compare.json out
+ok "colours are the last case" [ "$(json surfaces.0.cases.2.question)" = colour ]
+ok "shadowing is provenance" [ "$(json surfaces.0.provenance.shadowing)" = smith ]
+ok "colours are darker" awk "BEGIN { exit !($(json surfaces.0.cases.2.maximum) < 0.99 * $bright) }"
+refuses 2 "compare: --shadowing 'ward': unknown" compare "${tiny[@]}" --shadowing ward --out x
+
 export SOURCE_DATE_EPOCH=1700000000
 run 0 compare "${tiny[@]}" --out day
 mv day keep
