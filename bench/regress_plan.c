@@ -27,6 +27,7 @@ dif_regress_plan dif_regress_plan_default(void)
                              .tol_reference = 1e-9,
                              .floor_share = 1e-5,
                              .peak_floor_share = 0.01,
+                             .full = true,
                              .fit = true,
                              .f_max_per_um = (double)INFINITY};
     for (int i = 0; i < DIF_REGRESS_METHODS; i++)

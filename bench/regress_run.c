@@ -304,9 +304,9 @@ static dif_status run_lut(job *j, dif_error *err)
         return status;
     pair models = {lut.model, lut.model, nan, nan, build_s, 0.0};
     status = run_directions(j, DIF_REGRESS_LUT, &models, err);
-    if (status == DIF_OK)
+    if (status == DIF_OK && plan->full)
         status = build_sheets(j, err);
-    if (status == DIF_OK) {
+    if (status == DIF_OK && plan->full) {
         models.reference = j->reference_sheet.model;
         models.reference.n_lambda = plan->n_full;
         models.reference.lambda_um = plan->full_um;

@@ -56,11 +56,13 @@ typedef struct dif_regress_plan {
     bool method[DIF_REGRESS_METHODS];  /* which of them                                                       */
     bool has_period;                   /* pq and nmm-lines make sense                                         */
     bool is_grating;                   /* all ridges are orders of one period                                 */
+    bool full;                         /* lut: also against full sampling                                    */
     bool fit;                          /* fit the period to both sides' sheet tables                          */
     double f_min_per_um, f_max_per_um; /* of |f|: what is fitted                                              */
 } dif_regress_plan;
 
-/* Defaults of what has any: 97 pixels, floor 1e-5, peaks 0.01, device 1e-7, reference 1e-9, table 1e-5, all methods, fit. */
+/* Defaults of what has any: 97 pixels, floor 1e-5, peaks 0.01, device 1e-7, reference 1e-9, table 1e-5, all methods, full sampling,
+ * fit. */
 dif_regress_plan dif_regress_plan_default(void);
 
 /* Periods from either side's table. */

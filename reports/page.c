@@ -8,19 +8,12 @@
 /* Sections of a surface as the contents name them, and the part of the result that a section needs, if it may lack. */
 static const struct {
     const char *id, *name, *needs;
-} sections[] = {{"surface", "surface", NULL},
-                {"table", "response table", NULL},
-                {"period", "period", NULL},
-                {"lines", "lines", NULL},
-                {"map", "BRDF map", "map"},
-                {"methods", "methods", "methods"},
-                {"render", "rendering", "render"},
-                {"slopes", "slopes and views", "slopes"},
-                {"accuracy", "accuracy", NULL},
-                {"energy", "energy", NULL},
-                {"trust", "trust", NULL},
-                {"study", "studies", "study"},
-                {"provenance", "provenance", NULL}};
+} sections[] = {
+    {"surface", "surface", NULL},      {"table", "response table", NULL}, {"period", "period", NULL},
+    {"lines", "lines", NULL},          {"map", "BRDF map", "map"},        {"methods", "methods", "methods"},
+    {"gpu", "GPU against CPU", "gpu"}, {"render", "rendering", "render"}, {"slopes", "slopes and views", "slopes"},
+    {"accuracy", "accuracy", NULL},    {"energy", "energy", NULL},        {"trust", "trust", NULL},
+    {"study", "studies", "study"},     {"provenance", "provenance", NULL}};
 
 void dif_page_verdict(FILE *html, const json_t *verdict)
 {

@@ -27,6 +27,9 @@ DIF_MUST_USE dif_status dif_part_render(FILE *html, int number, const dif_result
 /* The section of slopes, normals and views; nothing if there is none. Status as dif_picture_load. */
 DIF_MUST_USE dif_status dif_part_slopes(FILE *html, int number, const dif_result *result, dif_error *err);
 
+/* GPU against CPU: its section, or why it is missing; nothing if it was not asked for. */
+void dif_part_gpu(FILE *html, int number, const json_t *doc);
+
 /* The studies' section; nothing if there are none. Status as dif_picture_load. */
 DIF_MUST_USE dif_status dif_part_study(FILE *html, int number, const dif_result *result, dif_error *err);
 

@@ -146,6 +146,7 @@ dif_status dif_page_surface(FILE *html, int number, const dif_result *result, di
         fprintf(html, "<h3 id=\"s%d-methods\">Methods compared</h3>\n", number);
         dif_part_methods(html, doc);
     }
+    dif_part_gpu(html, number, doc);
     status = dif_part_render(html, number, result, err);
     if (status != DIF_OK)
         return status;

@@ -10,7 +10,8 @@
  *                                                  slopes, normals and a view from afar, if they were measured
  *   NAME.study-I-K.png                             picture K of study I, if studies were asked for
  *
- * "map", "methods", "slopes" and "study" are parts of NAME.json that may be absent.
+ * "map", "methods", "gpu", "render", "slopes" and "study" are parts of NAME.json that may be absent; "gpu" holds cases as
+ * reports/compare.h has them, or the reason why there are none.
  * Numbers that do not exist are null. Files are named relative to the folder and may not leave it.
  * Does not: compute results. */
 #ifndef DIF_RESULT_H

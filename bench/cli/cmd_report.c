@@ -30,7 +30,7 @@ typedef struct report_args {
     dif_cli_measure measure;
     double theta_i_deg, theta_r_deg, azimuth_deg;
     dif_range angle_deg, lambda_nm;
-    bool no_map, no_methods, no_render, no_slopes, study;
+    bool no_map, no_methods, no_gpu, no_render, no_slopes, study;
     const char *out, *rebuild;
 } report_args;
 
@@ -53,6 +53,7 @@ static void add_options(dif_cli *cli, report_args *args)
         {"Parts", DIF_OPT_HEADING, NULL, NULL, NULL, NULL, NULL},
         {"no-map", DIF_OPT_FLAG, &args->no_map, NULL, NULL, "leave out the BRDF maps", NULL},
         {"no-methods", DIF_OPT_FLAG, &args->no_methods, NULL, NULL, "leave out the comparison of methods", NULL},
+        {"no-gpu", DIF_OPT_FLAG, &args->no_gpu, NULL, NULL, "leave out the comparison of GPU and CPU", NULL},
         {"no-render", DIF_OPT_FLAG, &args->no_render, NULL, NULL, "leave out the rendering", NULL},
         {"no-slopes", DIF_OPT_FLAG, &args->no_slopes, NULL, NULL, "leave out slopes, normals and views", NULL},
         {"study", DIF_OPT_FLAG, &args->study, NULL, NULL,
@@ -171,6 +172,7 @@ static dif_status load(const dif_cli *cli, const report_args *args, int i, dif_r
     *job = (dif_report_job){.tol = args->measure.tol,
                             .want_map = !args->no_map,
                             .want_methods = !args->no_methods,
+                            .want_gpu = !args->no_gpu,
                             .want_render = !args->no_render,
                             .want_slopes = !args->no_slopes,
                             .want_study = args->study};

@@ -6,6 +6,7 @@
 
 #include <jansson.h>
 
+#include "bench/cli/report_gpu.h"
 #include "bench/cli/report_render.h"
 #include "bench/cli/report_slopes.h"
 #include "bench/compare_methods.h"
@@ -35,7 +36,7 @@ typedef struct dif_report_job {
     dif_grating grating;
     double known_period_um; /* NaN = unknown                                                       */
     bool known_exact;       /* false: a guide only (irregular rows)                                */
-    bool want_map, want_methods, want_render, want_slopes, want_study; /* parts that can be left out           */
+    bool want_map, want_methods, want_gpu, want_render, want_slopes, want_study; /* parts that can be left out */
     dif_manifest provenance; /* owned                                                              */
 } dif_report_job;
 
@@ -133,6 +134,7 @@ typedef struct dif_report_data {
     dif_report_energy energy[DIF_REPORT_ENERGY_MAX];
     dif_report_map_data map;
     dif_report_methods_data methods;
+    dif_report_gpu_data gpu;       /* owned */
     dif_report_render_data render; /* owned */
     dif_report_slopes_data slopes; /* owned */
     dif_report_study study;        /* owned */

@@ -311,6 +311,9 @@ json_t *dif_report_json(const dif_report_job *job, const dif_report_data *data, 
         done = done && json_object_set_new(out, "map", dif_report_map_json(data)) == 0;
     if (data->methods.compare.n > 0)
         done = done && json_object_set_new(out, "methods", dif_report_methods_json(data)) == 0;
+    if (data->gpu.json)
+        done = done && json_object_set(out, "gpu", data->gpu.json) == 0;
+    *outside = *outside || data->gpu.n_failed > 0;
     if (data->render.frame.nx > 0)
         done = done && json_object_set_new(out, "render", dif_report_render_json(job, &data->render)) == 0;
     if (data->slopes.slopes.square.n > 0)

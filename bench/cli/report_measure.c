@@ -328,6 +328,11 @@ dif_status dif_report_measure(const dif_report_job *job, dif_report_data *out, d
         add_stage_since(out, "comparison of methods", start);
     }
     start = now();
+    if (status == DIF_OK && job->want_gpu) {
+        status = dif_report_gpu_make(job, &out->gpu, err);
+        add_stage_since(out, "GPU against CPU", start);
+    }
+    start = now();
     if (status == DIF_OK && job->want_render) {
         status = dif_report_render_make(job, &out->render, err);
         add_stage_since(out, "rendering", start);
@@ -355,6 +360,7 @@ void dif_report_data_free(dif_report_data *data)
     dif_maxima_free(&data->maxima);
     dif_maxima_free(&data->on_line);
     dif_map_free(&data->map.map);
+    dif_report_gpu_free(&data->gpu);
     dif_report_render_free(&data->render);
     dif_report_slopes_free(&data->slopes);
     dif_report_study_free(&data->study);

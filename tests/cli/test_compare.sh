@@ -149,6 +149,8 @@ refuses 2 'compare: --device cpu has no shaders' compare r.gsf --device cpu --fa
 refuses 3 'compare: none.gsf' compare none.gsf --quiet --out a
 refuses 3 'compare: none/compare.json' compare --rebuild none
 refuses 3 "compare: first.html/x: cannot make the folder: Not a directory" compare "${tiny[@]}" --out first.html/x
+__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent refuses 4 'compare: no GPU: ' compare "${tiny[@]}" --out bare
+ok "nothing was written" [ ! -e bare ]
 cp good/compare.json out
 if [ "$(json device.software)" = true ]; then
     refuses 4 'compare: .*software' compare "${tiny[@]}" --require-hardware --out a

@@ -38,11 +38,18 @@ ok "filtered is nearest to the truth" awk -v f="$(json surfaces.0.slopes.filtere
 near "maxima near the grating's period" "$(json surfaces.0.methods.rows.0.maxima_nm)" 2500 25
 
 # parts left out
-run 0 report --quiet --out less --no-map --no-methods --no-render --no-slopes $small 'a<b>&.gsf'
+run 0 report --quiet --out less --no-map --no-methods --no-gpu --no-render --no-slopes $small 'a<b>&.gsf'
 ok "no map" [ ! -e less/a-b.map.png ]
 ok "no slopes" [ ! -e less/a-b.slopes.png ]
-ok "not on the page" bash -c '! grep -q "BRDF map\|Methods compared\|from afar" less/index.html'
+ok "not on the page" bash -c '! grep -q "BRDF map\|Methods compared\|GPU against CPU\|from afar" less/index.html'
 ok "but there with it" bash -c '[ $(grep -c "<h3 id=\"s1-\(map\|methods\|slopes\)\"" page/index.html) -eq 3 ]'
+
+# GPU against CPU: on the page, and a line where there is no GPU
+near "cases outside" "$(cp page/report.json out && json surfaces.0.gpu.verdict.n_failed)" 0 0
+ok "many of them" [ "$(json surfaces.0.gpu.verdict.n)" -ge 14 ]
+ok "on the page" grep -q '<h3 id="s1-gpu">GPU against CPU</h3>' page/index.html
+__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent run 0 report --quiet --out bare --no-map --no-methods --no-render --no-slopes $small 'a<b>&.gsf'
+ok "why there is none" grep -q 'Not compared: no GPU: ' bare/index.html
 
 # the table of the report is the table of `table`
 run 0 table 'a<b>&.gsf' --theta-i-deg 75 $small --azimuth-deg 0 --layout matrix --out t.csv
