@@ -79,7 +79,7 @@ static dif_status open_readers(const dif_field *field, double tol, const dif_mea
     if (status != DIF_OK)
         return status;
     own->reader = dif_alloc((size_t)own->set.n, sizeof *own->reader);
-    own->sheet = dif_alloc((size_t)own->set.n, sizeof *own->sheet);
+    own->sheet = dif_alloc((size_t)own->set.n, sizeof(void *));
     if (!own->reader || !own->sheet)
         return dif_fail(err, DIF_ERR_NOMEM, "no memory for %d windows", own->set.n);
     for (; own->n_reader < own->set.n; own->n_reader++) {

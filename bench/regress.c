@@ -207,7 +207,7 @@ static void match(const dif_maxima *a, const dif_maxima *b, double reach_rad, di
         const dif_maximum *found = nearest(a, &from, b->item + i);
         const double shift_rad = found ? fabs(found->angle_rad - b->item[i].angle_rad) : (double)INFINITY;
         out->n++;
-        if (!(shift_rad <= reach_rad)) {
+        if (!found || !(shift_rad <= reach_rad)) {
             out->n_lost++;
         } else if (shift_rad >= out->worst_shift_rad) {
             out->worst_shift_rad = shift_rad;

@@ -81,7 +81,7 @@ static void add_row(poly *p, int nx, const double *z, const double *py)
 static void solve(poly *p)
 {
     const int n = p->n_term;
-    bool used[TERMS_MAX];
+    bool used[TERMS_MAX] = {false};
     for (int i = 0; i < n; i++) {
         const double own = p->matrix[i][i];
         for (int j = 0; j <= i; j++) {

@@ -123,10 +123,11 @@ void dif_gpu_renderer_close(dif_gpu_renderer *renderer)
         return;
     dif_gpu *gpu = renderer->gpu;
     if (dif_gpu_begin(gpu, NULL) == DIF_OK) {
-        dif_gl_texture *const textures[] = {&renderer->maps,   &renderer->masking, &renderer->albedo,
-                                            &renderer->light,  &renderer->base,    &renderer->depth,
-                                            &renderer->relief, &renderer->product, &renderer->pyramid};
-        for (size_t i = 0; i < sizeof textures / sizeof *textures; i++)
+        enum { N_TEXTURE = 9 };
+        dif_gl_texture *const textures[N_TEXTURE] = {&renderer->maps,   &renderer->masking, &renderer->albedo,
+                                                     &renderer->light,  &renderer->base,    &renderer->depth,
+                                                     &renderer->relief, &renderer->product, &renderer->pyramid};
+        for (int i = 0; i < N_TEXTURE; i++)
             dif_gl_texture_delete(gpu, textures[i]);
         dif_gl_mesh_delete(gpu, &renderer->mesh);
         dif_gl_program_delete(gpu, &renderer->program);

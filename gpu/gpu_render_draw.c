@@ -81,12 +81,14 @@ static void set_scene(dif_gpu_renderer *r, const dif_scene *scene, const dif_sha
 /* One sample of every pixel. */
 static dif_status draw_sample(dif_gpu_renderer *r, int nx, int ny, double x, double y, dif_error *err)
 {
-    const dif_gl_texture *const textures[] = {&r->maps, &r->masking, &r->albedo, &r->relief, &r->product, &r->pyramid};
+    enum { N_TEXTURE = 6 };
+    const dif_gl_texture *const textures[N_TEXTURE] = {&r->maps,   &r->masking, &r->albedo,
+                                                       &r->relief, &r->product, &r->pyramid};
     static const float CLEAR[4] = {0.0f, 0.0f, 0.0f, 0.0f};
     r->params.shift[0] = (float)(-2.0 * (x - 0.5) / nx);
     r->params.shift[1] = (float)(2.0 * (y - 0.5) / ny);
     dif_gl_block_store(r->block, sizeof r->params, &r->params);
-    for (int i = 0; i < (int)(sizeof textures / sizeof *textures); i++)
+    for (int i = 0; i < N_TEXTURE; i++)
         if (textures[i]->id)
             dif_gl_texture_bind(textures[i], i);
     glBindFramebuffer(GL_FRAMEBUFFER, r->frame);

@@ -15,9 +15,9 @@ static void put_vec3(float *out, dif_vec3 v)
 
 static void attribute(GLuint index, GLint n, size_t first)
 {
-    const char *const none = NULL; /* the pointer is an offset into the buffer */
     glEnableVertexAttribArray(index);
-    glVertexAttribPointer(index, n, GL_FLOAT, GL_FALSE, FLOATS * (GLsizei)sizeof(float), none + first * sizeof(float));
+    glVertexAttribPointer(index, n, GL_FLOAT, GL_FALSE, FLOATS * (GLsizei)sizeof(float),
+                          (const void *)(first * sizeof(float))); /* an offset into the buffer */
 }
 
 static void fill_vertices(const dif_mesh *mesh, float *out)

@@ -214,14 +214,13 @@ static void describe(const work *w, const dif_cli_step *step, const dif_field *b
     const dif_field *after = w->field;
     const double rms_um = dif_prep_state_of(after).rms_um;
     const size_t room = 2 * NOTE_SIZE;
-    size_t n = (size_t)snprintf(line, room, "%s%s%.60s: %s", dif_cli_step_name(step->kind), step->text ? " " : "",
-                                step->text ? step->text : "", w->note);
+    const size_t n = (size_t)snprintf(line, room, "%s%s%.60s: %s", dif_cli_step_name(step->kind), step->text ? " " : "",
+                                      step->text ? step->text : "", w->note);
     if (after->nx != before->nx || after->ny != before->ny || after->pitch_x_um != before->pitch_x_um)
-        n +=
-            (size_t)snprintf(line + n, room - n, "%s%d x %d samples of %.6g x %.6g nm (from %d x %d of %.6g x %.6g nm)",
-                             w->note[0] ? ", " : "", after->nx, after->ny, dif_nm_from_um(after->pitch_x_um),
-                             dif_nm_from_um(after->pitch_y_um), before->nx, before->ny,
-                             dif_nm_from_um(before->pitch_x_um), dif_nm_from_um(before->pitch_y_um));
+        snprintf(line + n, room - n, "%s%d x %d samples of %.6g x %.6g nm (from %d x %d of %.6g x %.6g nm)",
+                 w->note[0] ? ", " : "", after->nx, after->ny, dif_nm_from_um(after->pitch_x_um),
+                 dif_nm_from_um(after->pitch_y_um), before->nx, before->ny, dif_nm_from_um(before->pitch_x_um),
+                 dif_nm_from_um(before->pitch_y_um));
     else
         snprintf(line + n, room - n, "%srms %.4g nm (from %.4g nm)", w->note[0] ? ", " : "", dif_nm_from_um(rms_um),
                  dif_nm_from_um(rms_before_um));
