@@ -142,8 +142,8 @@ static int take_step(const dif_cli *cli, const dif_opt *opt, const char *text)
     if (text && *text == '\0')
         return dif_cmd_usage(cli->verb, "--%s: empty, expected %s", opt->name, opt->value);
     if (sink->take(sink->self, opt->name, text, &err))
-        return dif_cmd_usage(cli->verb, "--%s%s%s%s: %s", opt->name, text ? " '" : "", text ? text : "", text ? "'" : "",
-                             err.text);
+        return dif_cmd_usage(cli->verb, "--%s%s%s%s: %s", opt->name, text ? " '" : "", text ? text : "",
+                             text ? "'" : "", err.text);
     return DIF_CLI_GO;
 }
 

@@ -228,7 +228,8 @@ dif_status dif_image_decode_rgb(const unsigned char *data, size_t n, uint8_t **r
         cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
         if (picture.empty() || picture.cols != head.nx || picture.rows != head.ny || picture.type() != CV_8UC3)
             return dif_fail(err, DIF_ERR_FORMAT, "%s cannot be decoded (damaged?)", head.format);
-        *rgb = static_cast<uint8_t *>(dif_alloc(static_cast<size_t>(picture.rows) * 3, static_cast<size_t>(picture.cols)));
+        *rgb =
+            static_cast<uint8_t *>(dif_alloc(static_cast<size_t>(picture.rows) * 3, static_cast<size_t>(picture.cols)));
         if (!*rgb)
             return dif_fail(err, DIF_ERR_NOMEM, "%d x %d pixels", picture.cols, picture.rows);
         cv::Mat target(picture.rows, picture.cols, CV_8UC3, *rgb);
