@@ -121,11 +121,13 @@ static dif_status ask_device(const job *j, int path, const pair *models, double 
     return status;
 }
 
-/* One path of the device against the reference's answer. */
+/* One path of the device against the reference's answer; what all paths share is in *shared, to which the reference's
+ * fit is added. */
 static dif_status run_path(const job *j, int path, const pair *models, double *device, double *reference,
-                           dif_regress_case result, dif_error *err)
+                           dif_regress_case *shared, dif_error *err)
 {
     dif_error why = {DIF_OK, ""};
+    dif_regress_case result = *shared;
     result.path = j->device->path[path];
     result.status = ask_device(j, path, models, device, &result, &why);
     if (result.status == DIF_ERR_NOMEM)
@@ -136,6 +138,9 @@ static dif_status run_path(const job *j, int path, const pair *models, double *d
         status = dif_regress_judge(j->field, j->plan, &j->opts, device, reference, &result, err);
     else
         memcpy(result.text, why.text, sizeof why.text);
+    shared->fit = good ? result.fit : shared->fit;
+    if (shared->fit.reference == DIF_OK)
+        shared->fit.text[0] = '\0'; /* of the device alone */
     return status == DIF_OK ? j->listener->done(j->listener->self, j->plan, &result, good ? device : NULL,
                                                 good ? reference : NULL, err)
                             : status;
@@ -167,7 +172,7 @@ static dif_status run_question(const job *j, dif_regress_question question, int 
     result.wall_reference_s = since(&watch);
     dif_evaluator_close(&cpu);
     for (int path = 0; path < j->device->n_path && status == DIF_OK; path++)
-        status = run_path(j, path, models, device, reference, result, err);
+        status = run_path(j, path, models, device, reference, &result, err);
     dif_release(device);
     dif_release(reference);
     return status;

@@ -231,7 +231,7 @@ static void test_run__periods_of_both_sides_agree(void **state)
     bed b = make_bed();
     only_sheets(&b);
     b.plan.fit = true;
-    const dif_regress_fit fit = run(&b, LIE_NONE, 1).sheet_table.fit;
+    const dif_regress_fit fit = run(&b, LIE_NONE, 2).sheet_table.fit; /* of the second path */
     assert_string_equal(fit.text, "");
     assert_true(fit.tried);
     assert_int_equal(fit.reference, DIF_OK);

@@ -64,6 +64,15 @@ static dif_status load_built_in(const dif_cli *cli, int i, dif_compare_surface *
     return status ? status : dif_cli_manifest_surface(&out->manifest, &file, err);
 }
 
+/* The fit of all harmonics takes seconds: only for methods that replicate a period. */
+static bool wants_period(const dif_compare_args *args)
+{
+    bool method[DIF_REGRESS_METHODS];
+    char unknown[32];
+    (void)dif_compare_methods_parse(args->methods, method, unknown);
+    return isnan(args->period_nm) && (method[2] || method[3]); /* nmm-lines, pq */
+}
+
 static dif_status load_file(const dif_cli *cli, const dif_compare_args *args, int i, dif_compare_surface *out,
                             dif_error *err)
 {
@@ -80,7 +89,7 @@ static dif_status load_file(const dif_cli *cli, const dif_compare_args *args, in
     status = dif_cli_manifest(cli, path, &out->manifest, err);
     if (!status)
         status = dif_cli_manifest_surface(&out->manifest, &file, err);
-    if (!status && out->is_grating && isnan(args->period_nm)) {
+    if (!status && out->is_grating && wants_period(args)) {
         dif_error why;
         const dif_status found = dif_measure_find_period(&file.field, &out->opts, &why);
         out->has_period = found == DIF_OK; /* without one, what needs it is left out */
