@@ -32,18 +32,42 @@ static void cell_slope(const dif_field *field, double x, double y, double s[2])
     }
 }
 
-static void fill(const dif_field *field, double scale, dif_meso *meso)
+static void fill_slopes(const dif_field *field, double scale, dif_meso *meso)
 {
     for (int iy = 0; iy < meso->ny; iy++)
         for (int ix = 0; ix < meso->nx; ix++) {
-            float *to = meso->moment[0] + (size_t)DIF_MESO_MOMENTS * ((size_t)iy * (size_t)meso->nx + (size_t)ix);
+            float *to = meso->moment[0] + DIF_MESO_MOMENTS * ((size_t)iy * (size_t)meso->nx + (size_t)ix);
             double s[2];
             cell_slope(field, (ix + 0.5) * field->nx / meso->nx - 1.0, (iy + 0.5) * field->ny / meso->ny - 1.0, s);
             to[0] = (float)(scale * s[0]);
             to[1] = (float)(scale * s[1]);
-            to[2] = to[0] * to[0];
-            to[3] = to[1] * to[1];
-            to[4] = to[0] * to[1];
+        }
+}
+
+/* Moments within a texel of slopes that are linear between it and its neighbours: integrals over the texel of the hat
+ * functions of the three along an axis, and of their products. */
+static void texel_moments(const dif_meso *meso, int ix, int iy, double out[DIF_MESO_MOMENTS])
+{
+    static const double HAT[3] = {1.0 / 8.0, 3.0 / 4.0, 1.0 / 8.0};
+    static const double PRODUCT[3][3] = {
+        {1.0 / 24.0, 1.0 / 12.0, 0.0}, {1.0 / 12.0, 7.0 / 12.0, 1.0 / 12.0}, {0.0, 1.0 / 12.0, 1.0 / 24.0}};
+    double s[9][2];
+    for (int c = 0; c < DIF_MESO_MOMENTS; c++)
+        out[c] = 0.0;
+    for (int i = 0; i < 9; i++) {
+        const size_t jx = (size_t)((ix + i % 3 - 1 + meso->nx) % meso->nx);
+        const size_t jy = (size_t)((iy + i / 3 - 1 + meso->ny) % meso->ny);
+        for (size_t c = 0; c < 2; c++) {
+            s[i][c] = (double)meso->moment[0][DIF_MESO_MOMENTS * (jy * (size_t)meso->nx + jx) + c];
+            out[c] += HAT[i % 3] * HAT[i / 3] * s[i][c];
+        }
+    }
+    for (int i = 0; i < 9; i++)
+        for (int k = 0; k < 9; k++) {
+            const double weight = PRODUCT[i % 3][k % 3] * PRODUCT[i / 3][k / 3];
+            out[2] += weight * (s[i][0] - out[0]) * (s[k][0] - out[0]);
+            out[3] += weight * (s[i][1] - out[1]) * (s[k][1] - out[1]);
+            out[4] += weight * (s[i][0] - out[0]) * (s[k][1] - out[1]);
         }
 }
 
@@ -52,21 +76,45 @@ static int side(int n, int level)
     return n >> level > 0 ? n >> level : 1;
 }
 
-/* A level from the one below it. */
+/* The moments of a block from those of its four parts. */
+static void join(double part[4][DIF_MESO_MOMENTS], float *to)
+{
+    double sum[DIF_MESO_MOMENTS] = {0.0};
+    for (int c = 0; c < DIF_MESO_MOMENTS; c++)
+        for (int i = 0; i < 4; i++)
+            sum[c] += 0.25 * part[i][c];
+    for (int i = 0; i < 4; i++) {
+        const double x = part[i][0] - sum[0], y = part[i][1] - sum[1];
+        sum[2] += 0.25 * x * x;
+        sum[3] += 0.25 * y * y;
+        sum[4] += 0.25 * x * y;
+    }
+    for (int c = 0; c < DIF_MESO_MOMENTS; c++)
+        to[c] = (float)sum[c];
+}
+
+/* A level from the one below it; the lowest, whose slopes are not means, gives its covariances on the way. */
 static void reduce(const dif_meso *meso, int level)
 {
     const int nx = side(meso->nx, level), ny = side(meso->ny, level);
     const int mx = side(meso->nx, level - 1), my = side(meso->ny, level - 1);
+#pragma omp parallel for
     for (int iy = 0; iy < ny; iy++)
-        for (int ix = 0; ix < nx; ix++)
-            for (size_t c = 0; c < DIF_MESO_MOMENTS; c++) {
-                float sum = 0.0F;
-                for (int i = 0; i < 4; i++) {
-                    const int jx = mx > 1 ? 2 * ix + i % 2 : 0, jy = my > 1 ? 2 * iy + i / 2 : 0;
-                    sum += meso->moment[level - 1][DIF_MESO_MOMENTS * ((size_t)jy * (size_t)mx + (size_t)jx) + c];
+        for (int ix = 0; ix < nx; ix++) {
+            double part[4][DIF_MESO_MOMENTS];
+            for (int i = 0; i < 4; i++) {
+                const int jx = mx > 1 ? 2 * ix + i % 2 : 0, jy = my > 1 ? 2 * iy + i / 2 : 0;
+                float *from = meso->moment[level - 1] + DIF_MESO_MOMENTS * ((size_t)jy * (size_t)mx + (size_t)jx);
+                if (level == 1)
+                    texel_moments(meso, jx, jy, part[i]);
+                for (int c = level == 1 ? 2 : 0; c < DIF_MESO_MOMENTS; c++) {
+                    if (level == 1)
+                        from[c] = (float)part[i][c];
+                    part[i][c] = (double)from[c];
                 }
-                meso->moment[level][DIF_MESO_MOMENTS * ((size_t)iy * (size_t)nx + (size_t)ix) + c] = 0.25F * sum;
             }
+            join(part, meso->moment[level] + DIF_MESO_MOMENTS * ((size_t)iy * (size_t)nx + (size_t)ix));
+        }
 }
 
 dif_status dif_meso_create(const dif_field *field, double scale, double tiles, dif_meso *out, dif_error *err)
@@ -89,7 +137,7 @@ dif_status dif_meso_create(const dif_field *field, double scale, double tiles, d
     meso.moment[0] = dif_alloc(n, sizeof *meso.moment[0]);
     if (!meso.moment[0])
         return dif_fail(err, DIF_ERR_NOMEM, "mesostructure of %d x %d slopes", meso.nx, meso.ny);
-    fill(field, scale, &meso);
+    fill_slopes(field, scale, &meso);
     for (int level = 1; level < meso.n_level; level++) {
         meso.moment[level] = meso.moment[0] + first[level];
         reduce(&meso, level);
@@ -104,8 +152,9 @@ void dif_meso_free(dif_meso *meso)
     *meso = (dif_meso){0};
 }
 
-/* Linear read of a level at tile coordinates, which repeat; adds weight times the first n_moment moments. */
-static void add_level(const dif_meso *meso, int level, const double at[2], double weight, int n_moment, double *sum)
+/* Linear read of a level at tile coordinates, which repeat; adds weight times the moments first ... end - 1. */
+static void add_level(const dif_meso *meso, int level, const double at[2], double weight, int first, int end,
+                      double *sum)
 {
     const int nx = side(meso->nx, level), ny = side(meso->ny, level);
     const double x = (at[0] - floor(at[0])) * nx - 0.5, y = (1.0 - (at[1] - floor(at[1]))) * ny - 0.5;
@@ -115,7 +164,7 @@ static void add_level(const dif_meso *meso, int level, const double at[2], doubl
         const size_t jx = (size_t)((ix + i % 2) % nx), jy = (size_t)((iy + i / 2) % ny);
         const float *from = meso->moment[level] + DIF_MESO_MOMENTS * (jy * (size_t)nx + jx);
         const double part = weight * (i % 2 ? right : 1.0 - right) * (i / 2 ? down : 1.0 - down);
-        for (int c = 0; c < n_moment; c++)
+        for (int c = first; c < end; c++)
             sum[c] += part * (double)from[c];
     }
 }
@@ -124,7 +173,27 @@ void dif_meso_slope(const dif_meso *meso, const double uv[2], double s[2])
 {
     const double at[2] = {meso->tiles * uv[0], meso->tiles * uv[1]};
     s[0] = s[1] = 0.0;
-    add_level(meso, 0, at, 1.0, 2, s);
+    add_level(meso, 0, at, 1.0, 0, 2, s);
+}
+
+/* Two levels and the share of the upper one. */
+typedef struct blend {
+    int low;
+    double share;
+} blend;
+
+static blend blend_of(const dif_meso *meso, double width)
+{
+    const double level = fmin(fmax(log2(width), 0.0), meso->n_level - 1.0);
+    const int low = (int)fmin(floor(level), meso->n_level - 2.0);
+    return (blend){low, level - low};
+}
+
+static void add_blend(const dif_meso *meso, blend at_level, const double at[2], int first, int end, double *sum)
+{
+    add_level(meso, at_level.low, at, 1.0 - at_level.share, first, end, sum);
+    if (at_level.share > 0.0)
+        add_level(meso, at_level.low + 1, at, at_level.share, first, end, sum);
 }
 
 int dif_meso_moments(const dif_meso *meso, const double uv[2], const dif_footprint *footprint, dif_slope_gauss *out)
@@ -138,23 +207,36 @@ int dif_meso_moments(const dif_meso *meso, const double uv[2], const dif_footpri
     const dif_footprint_ellipse e = dif_footprint_ellipse_of(&texels);
     const double minor = fmax(fmax(e.minor, e.major / DIF_MESO_PROBES), 1e-12);
     const int n = (int)fmin(fmax(ceil(e.major / minor - 1e-9), 1.0), DIF_MESO_PROBES);
-    const double lod = log2(minor), level = fmin(fmax(lod, 0.0), meso->n_level - 1.0);
-    const int low = (int)fmin(floor(level), fmax(meso->n_level - 2.0, 0.0));
-    double sum[DIF_MESO_MOMENTS] = {0.0};
+    /* the reads' own spread and that within a block make up the longer axis */
+    const double reach = n > 1 ? sqrt(fmax(e.major * e.major - minor * minor, 0.0) / (1.0 - 1.0 / (n * n))) : 0.0;
+    const blend means = blend_of(meso, minor / sqrt(3.0)); /* a linear read of blocks is sqrt(3) times as wide */
+    blend spreads = blend_of(meso, minor);
+    const bool same = means.low == spreads.low && means.share == spreads.share;
+    spreads.share = (exp2(2.0 * spreads.share) - 1.0) / 3.0; /* covariances grow like the square of the width */
+    double mean[DIF_MESO_MOMENTS] = {0.0}, square[3] = {0.0}, origin[2] = {0.0};
     for (int k = 0; k < n; k++) {
-        const double along = e.major * ((k + 0.5) / n - 0.5);
+        const double along = reach * ((k + 0.5) / n - 0.5);
         const double at[2] = {meso->tiles * uv[0] + along * e.major_axis[0] / meso->nx,
                               meso->tiles * uv[1] + along * e.major_axis[1] / meso->ny};
-        add_level(meso, low, at, (1.0 - (level - low)) / n, DIF_MESO_MOMENTS, sum);
-        if (level > low)
-            add_level(meso, low + 1, at, (level - low) / n, DIF_MESO_MOMENTS, sum);
+        double here[2] = {0.0};
+        add_blend(meso, means, at, 0, 2, here);
+        add_blend(meso, spreads, at, 2, DIF_MESO_MOMENTS, mean);
+        for (int c = 0; c < 2; c++) { /* from the first, lest squares of large means cancel */
+            origin[c] = k == 0 ? here[c] : origin[c];
+            here[c] -= origin[c];
+            mean[c] += here[c];
+            square[c] += here[c] * here[c] / n;
+        }
+        square[2] += here[0] * here[1] / n;
     }
-    const double fade = fmin(fmax(log2(fmax(e.major, 1e-12)) + 1.0, 0.0), 1.0);
-    out->mean_x = sum[0];
-    out->mean_y = sum[1];
-    out->var_x = fade * fmax(sum[2] - sum[0] * sum[0], 0.0);
-    out->var_y = fade * fmax(sum[3] - sum[1] * sum[1], 0.0);
+    for (int c = 0; c < DIF_MESO_MOMENTS; c++)
+        mean[c] /= n;
+    const double within = fmin(minor * minor, 1.0); /* below a texel */
+    out->mean_x = origin[0] + mean[0];
+    out->mean_y = origin[1] + mean[1];
+    out->var_x = within * mean[2] + fmax(square[0] - mean[0] * mean[0], 0.0);
+    out->var_y = within * mean[3] + fmax(square[1] - mean[1] * mean[1], 0.0);
     const double most = sqrt(out->var_x * out->var_y);
-    out->cov_xy = fmin(fmax(fade * (sum[4] - sum[0] * sum[1]), -most), most);
-    return n;
+    out->cov_xy = fmin(fmax(within * mean[4] + square[2] - mean[0] * mean[1], -most), most);
+    return same ? n : 2 * n;
 }

@@ -11,25 +11,35 @@ vec4 dif_ellipse(vec2 a, vec2 b)
     return vec4(cos(angle), sin(angle), major, minor);
 }
 
-// Moments over a footprint: relief.xyzw = E s_x, E s_y, E s_x^2, E s_y^2; product.r = E s_x s_y.  size: texels of level 0.
+// Moments over a footprint: relief.xyzw = means and variances along x and y in a block, product.r = covariance.  size:
+// texels of level 0.
 dif_gauss dif_relief_moments(sampler2D relief, sampler2D product, vec2 size, float n_level, float tiles, vec2 uv, vec2 dx, vec2 dy)
 {
     vec4 e = dif_ellipse(dx * tiles * size, dy * tiles * size);
     float minor = max(max(e.w, e.z / float(DIF_RELIEF_PROBES)), 1e-12);
     int n = int(clamp(ceil(e.z / minor - 1e-4), 1.0, float(DIF_RELIEF_PROBES)));
-    float level = clamp(log2(minor), 0.0, n_level - 1.0);
-    vec4 sum = vec4(0.0);
-    float cross_sum = 0.0;
+    float level = clamp(log2(minor), 0.0, n_level - 1.0), low = min(floor(level), n_level - 2.0);
+    float mean_level = clamp(log2(minor / sqrt(3.0)), 0.0, n_level - 1.0); // a linear read of blocks is wider
+    level = low + (exp2(2.0 * (level - low)) - 1.0) / 3.0;
+    float reach = n > 1 ? sqrt(max(e.z * e.z - minor * minor, 0.0) / (1.0 - 1.0 / float(n * n))) : 0.0;
+    vec4 mean = vec4(0.0);
+    vec3 square = vec3(0.0);
+    vec2 first = vec2(0.0);
+    float cross_mean = 0.0;
     for (int k = 0; k < n; k++) {
-        vec2 at = tiles * uv + e.z * ((float(k) + 0.5) / float(n) - 0.5) * e.xy / size;
+        vec2 at = tiles * uv + reach * ((float(k) + 0.5) / float(n) - 0.5) * e.xy / size;
         at.y = 1.0 - at.y;
-        sum += textureLod(relief, at, level) / float(n);
-        cross_sum += textureLod(product, at, level).r / float(n);
+        vec4 here = vec4(textureLod(relief, at, mean_level).xy, textureLod(relief, at, level).zw);
+        first = k == 0 ? here.xy : first;
+        here.xy -= first;
+        mean += here / float(n);
+        square += vec3(here.xy * here.xy, here.x * here.y) / float(n);
+        cross_mean += textureLod(product, at, level).r / float(n);
     }
-    float fade = clamp(log2(max(e.z, 1e-12)) + 1.0, 0.0, 1.0);
-    vec2 v = fade * max(sum.zw - sum.xy * sum.xy, vec2(0.0));
+    float within = min(minor * minor, 1.0);
+    vec2 v = within * mean.zw + max(square.xy - mean.xy * mean.xy, vec2(0.0));
     float most = sqrt(v.x * v.y);
-    return dif_gauss(sum.xy, vec3(v, clamp(fade * (cross_sum - sum.x * sum.y), -most, most)));
+    return dif_gauss(first + mean.xy, vec3(v, clamp(within * cross_mean + square.z - mean.x * mean.y, -most, most)));
 }
 
 // Clenshaw's sum over one place of a table or of a level of the pyramid; the texels as in dif_lut_colour.

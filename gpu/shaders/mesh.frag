@@ -4,8 +4,8 @@
 uniform sampler2DArray maps;
 uniform sampler2D masking; // core/shadow.h's table
 uniform sampler2D albedo;
-uniform sampler2D relief;  // core/meso.h: E s_x, E s_y, E s_x^2, E s_y^2
-uniform sampler2D product; // E s_x s_y
+uniform sampler2D relief;  // core/meso.h: means and variances
+uniform sampler2D product; // covariance
 uniform sampler2DArray pyramid; // core/lut_filter.h
 
 in vec3 at_position;
