@@ -40,11 +40,12 @@ void dif_gbuffer_free(dif_gbuffer *gbuffer)
     *gbuffer = (dif_gbuffer){0};
 }
 
-/* Two numbers in [0, 1) that a pixel and a stratum always give. */
+/* Two numbers in [0, 1) that a pixel, a stratum and a seed always give. */
 static void scatter(int ix, int iy, const dif_subsample *sample, double out[2])
 {
     uint64_t z = ((uint64_t)(uint32_t)ix << 32 | (uint32_t)iy) * 0x9e3779b97f4a7c15u;
     z ^= (uint64_t)(uint32_t)(sample->j * sample->n + sample->i + 1) * 0xd1b54a32d192ed03u;
+    z ^= (uint64_t)sample->seed * 0xa0761d6478bd642fu;
     for (int c = 0; c < 2; c++) {
         z += 0x9e3779b97f4a7c15u;
         uint64_t mixed = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

@@ -3,6 +3,8 @@
 #ifndef DIF_RASTER_H
 #define DIF_RASTER_H
 
+#include <stdint.h>
+
 #include "core/scene.h"
 
 #ifdef __cplusplus
@@ -11,8 +13,9 @@ extern "C" {
 
 /* Where in a pixel the mesh is looked at: stratum (i, j) of n x n, at its centre or at a random place in it. */
 typedef struct dif_subsample {
-    int n, i, j; /* n >= 1; 0 <= i, j < n */
-    bool jitter; /* random, but the same for the same pixel and stratum */
+    int n, i, j;   /* n >= 1; 0 <= i, j < n */
+    bool jitter;   /* random, but the same for the same pixel, stratum and seed */
+    uint32_t seed; /* any                                                      */
 } dif_subsample;
 
 /* The pixel's centre. */

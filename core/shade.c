@@ -211,7 +211,7 @@ static dif_status draw(job *j, dif_error *err)
     const int n = j->opts->n_sub;
     dif_status status = DIF_OK;
     for (int k = 0; k < n * n && !status; k++) {
-        const dif_subsample sample = {.n = n, .i = k % n, .j = k / n, .jitter = j->opts->jitter};
+        const dif_subsample sample = {.n = n, .i = k % n, .j = k / n, .jitter = j->opts->jitter, .seed = j->opts->seed};
         status = draw_sample(j, &sample, err);
         if (j->opts->progress)
             j->opts->progress(j->opts->progress_self, (k + 1.0) / (n * n));

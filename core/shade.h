@@ -30,8 +30,9 @@ enum { DIF_SUBSAMPLE_MAX = 64 };
 typedef enum dif_filter { DIF_FILTER_NONE, DIF_FILTER_MIP, DIF_FILTER_SLOPES } dif_filter;
 
 typedef struct dif_shade_opts {
-    int n_sub;   /* n x n samples a pixel, 1 ... DIF_SUBSAMPLE_MAX                                           */
-    bool jitter; /* samples at random places of their strata, else at the centres                            */
+    int n_sub;     /* n x n samples a pixel, 1 ... DIF_SUBSAMPLE_MAX                                           */
+    bool jitter;   /* samples at random places of their strata, else at the centres                            */
+    uint32_t seed; /* of the jitter: another one is another, independent picture                       */
     const dif_shadow *shadow; /* shadowing and masking, or NULL: none; not owned                                  */
     dif_filter filter;
     const dif_meso *meso;          /* NULL: none; not owned                                                    */

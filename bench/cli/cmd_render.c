@@ -204,6 +204,20 @@ static dif_status open_gpu(const dif_render_args *args, render_run *run, dif_err
     return status ? dif_fail(err, status, "%.180s; --cpu renders without a GPU", why.text) : DIF_OK;
 }
 
+/* A study has an exposure for each zoom, beside the numbers in its table. */
+static void say_done(const dif_cli *cli, const dif_render_args *args, const render_run *run)
+{
+    const dif_render_scene *scene = &run->scene;
+    const char *plural = scene->mesh.n_triangle == 1 ? "" : "s";
+    if (args->study)
+        dif_cli_say(cli, "%d x %d pixels, %d triangle%s, drawn on %s: %s/filters.png and .csv", scene->nx, scene->ny,
+                    scene->mesh.n_triangle, plural, run->renderer, args->study);
+    else
+        dif_cli_say(cli, "%d x %d pixels, %d triangle%s, exposure %.4g%s, drawn on %s", scene->nx, scene->ny,
+                    scene->mesh.n_triangle, plural, run->exposure, args->exposure_value > 0.0 ? "" : " (auto)",
+                    run->renderer);
+}
+
 static int execute(const dif_cli *cli, const dif_render_args *args)
 {
     dif_error err = {0};
@@ -223,14 +237,12 @@ static int execute(const dif_cli *cli, const dif_render_args *args)
     if (status) {
         code = dif_cmd_fail(cli->verb, &err);
     } else {
-        dif_cli_say(cli, "%d x %d pixels, %d triangle%s, exposure %.4g%s, drawn on %s", run.scene.nx, run.scene.ny,
-                    run.scene.mesh.n_triangle, run.scene.mesh.n_triangle == 1 ? "" : "s", run.exposure,
-                    args->exposure_value > 0.0 ? "" : " (auto)", run.renderer);
+        say_done(cli, args, &run);
         if (cli->json)
-            code = dif_json_print(cli,
-                                  json_pack("{s:i, s:i, s:i, s:o, s:o}", "width", run.scene.nx, "height", run.scene.ny,
-                                            "frames", run.n_frame, "exposure", dif_json_number(run.exposure),
-                                            "provenance", dif_json_manifest(&run.manifest)));
+            code = dif_json_print(cli, json_pack("{s:i, s:i, s:i, s:o, s:o}", "width", run.scene.nx, "height",
+                                                 run.scene.ny, "frames", run.n_frame, "exposure",
+                                                 dif_json_number(args->study ? (double)NAN : run.exposure),
+                                                 "provenance", dif_json_manifest(&run.manifest)));
     }
     run_free(&run);
     return code;

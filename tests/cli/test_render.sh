@@ -87,7 +87,7 @@ done
 ok "filters differ" [ "$("$tool" pixels none.png)" != "$("$tool" pixels slopes.png)" ]
 mkdir study
 run 0 render sine.lut.exr --cpu --size 32x32 --detail 1 --mesh sphere --mesostructure meso.gsf --samples 3 --filter-study study
-ok "sixteen rows" [ "$(rows study/filters.csv | wc -l)" -eq 16 ]
+ok "twenty rows" [ "$(rows study/filters.csv | wc -l)" -eq 20 ]
 ok "and a picture" [ "$(head -c 4 study/filters.png | tail -c 3)" = PNG ]
 refuses 2 'render: --filter-study needs --mesostructure, --cpu' render sine.lut.exr --cpu --filter-study study
 refuses 2 'render: --filter slopes averages the table, expected --method lut' render sine.gsf --cpu --method sheet --filter slopes --out x.png
