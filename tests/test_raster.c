@@ -62,6 +62,38 @@ static void test_draw__a_ball_is_where_rays_meet_it(void **state)
     dif_mesh_free(&mesh);
 }
 
+/* Jitter is the same for a seed and another for another. */
+static void test_draw__jitter_follows_its_seed(void **state)
+{
+    (void)state;
+    dif_mesh mesh;
+    dif_gbuffer g[3];
+    assert_int_equal(dif_mesh_make(DIF_MESH_PLANE, 1, &mesh, NULL), DIF_OK);
+    const dif_scene scene = scene_of(&mesh, 2.5, 1.2);
+    int n_same = 0, n_hit = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        const dif_subsample sample = {.n = 1, .jitter = true, .seed = k / 2};
+        assert_int_equal(dif_gbuffer_create(NX, NY, &g[k], NULL), DIF_OK);
+        assert_int_equal(dif_raster_draw(&scene, &sample, &g[k], NULL), DIF_OK);
+    }
+    for (int i = 0; i < NX * NY; i++) {
+        dif_hit hit[3];
+        bool seen = true;
+        for (int k = 0; k < 3; k++)
+            seen = dif_raster_hit(&scene, &g[k], i % NX, i / NX, &hit[k]) && seen;
+        if (!seen)
+            continue;
+        n_hit++;
+        assert_true(hit[0].uv[0] == hit[1].uv[0] && hit[0].uv[1] == hit[1].uv[1]);
+        n_same += hit[0].uv[0] == hit[2].uv[0];
+    }
+    assert_at_most(100, n_hit);
+    assert_int_equal(n_same, 0);
+    for (int k = 0; k < 3; k++)
+        dif_gbuffer_free(&g[k]);
+    dif_mesh_free(&mesh);
+}
+
 /* The plane is seen exactly: position, uv and its derivatives against rays through neighbouring places. */
 static void test_hit__uv_and_derivatives_of_a_plane(void **state)
 {
@@ -166,6 +198,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_draw__a_ball_is_where_rays_meet_it),
+        cmocka_unit_test(test_draw__jitter_follows_its_seed),
         cmocka_unit_test(test_hit__uv_and_derivatives_of_a_plane),
         cmocka_unit_test(test_draw__triangles_behind_the_eye),
         cmocka_unit_test(test_draw__nothing_shows_through_edges),

@@ -89,6 +89,26 @@ mkdir study
 run 0 render sine.lut.exr --cpu --size 32x32 --detail 1 --mesh sphere --mesostructure meso.gsf --samples 3 --filter-study study
 ok "twenty rows" [ "$(rows study/filters.csv | wc -l)" -eq 20 ]
 ok "and a picture" [ "$(head -c 4 study/filters.png | tail -c 3)" = PNG ]
+ok "the exposures are in the table" grep -q 'drawn on cpu: study/filters.png and .csv$' err
+# mean dE2000 of a filter at a zoom: where slopes are Gaussian the filter is nearer to the truth than no filter; at a grazing
+# view its light can be too much; seen from afar a row of walls is what its Gaussian is not
+mean_of() { rows "$1/filters.csv" | awk -F, -v zoom="$2" -v filter="$3" -v column="${4-5}" '$1 == zoom && $2 == filter { print $column }'; }
+less() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a < b) }'; }
+run 0 fixture lamellar --height-nm 3000 --period-nm 16000 --pitch-nm 1000 --pixels 128 --out walls.gsf
+run 0 fixture random --height-nm 500 --correlation-um 7 --pitch-nm 1000 --pixels 128 --out wrinkles.gsf
+tiny=(--cpu --size 32x32 --samples 8)
+run 0 render sine.lut.exr "${tiny[@]}" --detail 1 --mesh sphere --mesostructure wrinkles.gsf --filter-study waves
+run 0 render sine.lut.exr "${tiny[@]}" --detail 1 --mesh sphere --mesostructure walls.gsf --filter-study walls
+run 0 render sine.lut.exr "${tiny[@]}" --mesh plane --camera 84,-90 --mesostructure wrinkles.gsf --filter-study grazing
+for zoom in 1 16 64; do
+    ok "Gaussian, zoom $zoom" less "$(mean_of waves $zoom slopes 8)" "$(mean_of waves $zoom none 8)"
+    ok "walls, zoom $zoom" less "$(mean_of walls $zoom none)" "$(mean_of walls $zoom slopes)"
+    ok "grazing, zoom $zoom" less "$(mean_of grazing $zoom slopes)" "$(mean_of grazing $zoom none)"
+    ok "the floor is below, zoom $zoom" less "$(mean_of walls $zoom 'truth again')" "$(mean_of walls $zoom none)"
+    ok "and above 0, zoom $zoom" less 0 "$(mean_of waves $zoom 'truth again')"
+done
+run 0 render sine.lut.exr "${tiny[@]}" --mesh plane --camera 84,0 --mesostructure wrinkles.gsf --filter-study across
+ok "grazing along x: too much light" less 1.3 "$(mean_of across 16 slopes 9)"
 refuses 2 'render: --filter-study needs --mesostructure, --cpu' render sine.lut.exr --cpu --filter-study study
 refuses 2 'render: --filter slopes averages the table, expected --method lut' render sine.gsf --cpu --method sheet --filter slopes --out x.png
 refuses 3 'render: bare.obj: no texture coordinates, which --mesostructure needs' render sine.lut.exr "${small[@]}" --mesh bare.obj --mesostructure meso.gsf --out x.png
