@@ -243,9 +243,19 @@ static void test_read__failing_heap_leaves_nothing(void **state)
     remove(path);
 }
 
+static void test_ends_in__wants_more_than_the_ending(void **state)
+{
+    (void)state;
+    assert_true(dif_file_ends_in("a/f.png", ".png"));
+    assert_false(dif_file_ends_in(".png", ".png"));
+    assert_false(dif_file_ends_in("f.PNG", ".png"));
+    assert_false(dif_file_ends_in("f.png.txt", ".png"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_ends_in__wants_more_than_the_ending),
         cmocka_unit_test(test_write__replaces_the_file_as_a_whole),
         cmocka_unit_test(test_abort__leaves_the_old_file),
         cmocka_unit_test(test_reserve__commits_what_another_wrote_by_name),

@@ -7,6 +7,7 @@
 #include "bench/map.h"
 #include "bench/scan.h"
 #include "core/alloc.h"
+#include "core/io/file.h"
 #include "core/io/map_io.h"
 #include "core/io/number.h"
 #include "core/units.h"
@@ -183,20 +184,14 @@ static dif_status describe(const dif_cli *cli, const map_args *args, map_run *ru
     return status ? status : describe_map(args, run, err);
 }
 
-static bool ends_in(const char *path, const char *end)
-{
-    const size_t n = strlen(path), n_end = strlen(end);
-    return n > n_end && strcmp(path + n - n_end, end) == 0;
-}
-
 static dif_status write_one(const map_args *args, map_run *run, const char *path, dif_error *err)
 {
     const dif_map_look look = {args->exposure_value, (dif_gamut)args->gamut};
     dif_map_image image = run->image;
     if (!args->spectral)
         image.layer = NULL; /* kept for the check only */
-    return ends_in(path, ".exr") ? dif_map_write(path, &image, run->exposure, &run->manifest, err)
-                                 : dif_map_write_png(path, &image, &look, &run->manifest, err);
+    return dif_file_ends_in(path, ".exr") ? dif_map_write(path, &image, run->exposure, &run->manifest, err)
+                                          : dif_map_write_png(path, &image, &look, &run->manifest, err);
 }
 
 /* Where the light goes: the brightest pixel, and mean and spread of the luminance over the disc. */
@@ -317,11 +312,11 @@ static int check_args(const dif_cli *cli, map_args *args)
         return dif_cmd_usage(cli->verb, "--phi-i-deg with --theta-r-deg, expected --phi-r-deg");
     if (!args->out && !args->png)
         return dif_cmd_usage(cli->verb, "nowhere to put the map, expected --out F.exr, --out F.png or --png F.png");
-    if (args->out && !ends_in(args->out, ".exr") && !ends_in(args->out, ".png"))
+    if (args->out && !dif_file_ends_in(args->out, ".exr") && !dif_file_ends_in(args->out, ".png"))
         return dif_cmd_usage(cli->verb, "--out '%s': unknown kind of file, expected F.exr or F.png", args->out);
-    if (args->png && !ends_in(args->png, ".png"))
+    if (args->png && !dif_file_ends_in(args->png, ".png"))
         return dif_cmd_usage(cli->verb, "--png '%s': expected F.png", args->png);
-    if (args->spectral && !(args->out && ends_in(args->out, ".exr")))
+    if (args->spectral && !(args->out && dif_file_ends_in(args->out, ".exr")))
         return dif_cmd_usage(cli->verb, "--spectral without an EXR to put the layers in, expected --out F.exr");
     if (args->exposure && strcmp(args->exposure, "auto") != 0 &&
         (!dif_number_all(args->exposure, strlen(args->exposure), '.', &args->exposure_value) ||

@@ -6,6 +6,7 @@
 #include "bench/cli/folder.h"
 #include "bench/cli/render.h"
 #include "core/alloc.h"
+#include "core/io/file.h"
 #include "core/io/number.h"
 #include "core/units.h"
 
@@ -26,12 +27,6 @@ static const dif_cli_help HELP = {
     "  diffbench render shed.lut.exr --cpu --mesh sphere --size 160x160 --light-deg 40,-50 --turntable 3 --out "
     "ball.png\n",
 };
-
-static bool ends_in(const char *path, const char *end)
-{
-    const size_t n = strlen(path), n_end = strlen(end);
-    return n > n_end && strcmp(path + n - n_end, end) == 0;
-}
 
 /* Everything that one run makes. */
 typedef struct render_run {
@@ -126,8 +121,8 @@ static dif_status draw_frame(const dif_render_args *args, render_run *run, int i
         status = name_frame(args, run, i, path, err);
     if (status)
         return status;
-    return ends_in(path, ".exr") ? dif_frame_write(path, &run->frame[0], &look, &run->manifest, err)
-                                 : dif_frame_write_png(path, &run->frame[0], &look, &run->manifest, err);
+    return dif_file_ends_in(path, ".exr") ? dif_frame_write(path, &run->frame[0], &look, &run->manifest, err)
+                                          : dif_frame_write_png(path, &run->frame[0], &look, &run->manifest, err);
 }
 
 static dif_status draw_frames(const dif_cli *cli, const dif_render_args *args, render_run *run, dif_error *err)
@@ -265,9 +260,9 @@ static int check_args(const dif_cli *cli, dif_render_args *args)
         return check_filter(cli, args);
     if (!args->out)
         return dif_cmd_usage(cli->verb, "nowhere to put the picture, expected --out F.png or F.exr");
-    if (!ends_in(args->out, ".exr") && !ends_in(args->out, ".png"))
+    if (!dif_file_ends_in(args->out, ".exr") && !dif_file_ends_in(args->out, ".png"))
         return dif_cmd_usage(cli->verb, "--out '%s': unknown kind of file, expected F.png or F.exr", args->out);
-    if (args->contact_sheet && !ends_in(args->out, ".png"))
+    if (args->contact_sheet && !dif_file_ends_in(args->out, ".png"))
         return dif_cmd_usage(cli->verb, "--contact-sheet with --out '%s': expected F.png", args->out);
     if ((args->n_turn > 0) + args->has_sweep + args->contact_sheet > 1)
         return dif_cmd_usage(cli->verb, "expected at most one of --turntable, --light-sweep and --contact-sheet");

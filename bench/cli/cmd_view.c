@@ -5,6 +5,7 @@
 
 #include "bench/cli/cli.h"
 #include "bench/cli/view_figure.h"
+#include "core/io/file.h"
 #include "core/units.h"
 
 static const dif_cli_help HELP = {
@@ -156,8 +157,7 @@ static int execute(const dif_cli *cli, const view_args *args)
 
 static bool is_png(const char *path)
 {
-    const size_t n = path ? strlen(path) : 0;
-    return !path || (n > 4 && strcmp(path + n - 4, ".png") == 0);
+    return !path || dif_file_ends_in(path, ".png");
 }
 
 int dif_cmd_view(int argc, char **argv)

@@ -25,16 +25,10 @@ static const struct {
 };
 enum { N_WRITER = sizeof WRITERS / sizeof *WRITERS };
 
-static bool ends_with(const char *path, const char *end)
-{
-    const size_t n = strlen(path), n_end = strlen(end);
-    return n > n_end && strcmp(path + n - n_end, end) == 0;
-}
-
 static int find_writer(const char *path)
 {
     int i = 0;
-    while (i < N_WRITER && !ends_with(path, WRITERS[i].extension))
+    while (i < N_WRITER && !dif_file_ends_in(path, WRITERS[i].extension))
         i++;
     return i;
 }

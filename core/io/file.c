@@ -16,6 +16,12 @@
 
 enum { CHUNK = 1 << 16 };
 
+bool dif_file_ends_in(const char *path, const char *ending)
+{
+    const size_t n = strlen(path), n_ending = strlen(ending);
+    return n > n_ending && strcmp(path + n - n_ending, ending) == 0;
+}
+
 static dif_status fail_directory(dif_error *err, const char *path, const char *want)
 {
     char name[DIF_NAME_SIZE];

@@ -3,6 +3,7 @@
 #ifndef DIF_FILE_H
 #define DIF_FILE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -11,6 +12,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* True if a path ends in an ending such as ".png" and is more than that. */
+bool dif_file_ends_in(const char *path, const char *ending);
 
 /* Reads a regular file (or a pipe) whole; data[n] is followed by a NUL. Status DIF_ERR_IO (missing, directory,
  * unreadable), DIF_ERR_SIZE (over n_max), DIF_ERR_NOMEM. The caller frees with dif_release. */

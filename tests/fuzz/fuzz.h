@@ -85,4 +85,19 @@ static inline dif_field_request fuzz_request(int bits)
     return request;
 }
 
+/* Reads an input as a file with channels: the first byte says what the request leaves unsaid, the rest follows a magic. */
+static inline void fuzz_after_magic(const char *magic, size_t n_magic, const uint8_t *data, size_t n, size_t bytes)
+{
+    unsigned char *file = malloc(n_magic + n - 1);
+    FUZZ_PROMISE(file);
+    memcpy(file, magic, n_magic);
+    memcpy(file + n_magic, data + 1, n - 1);
+    const dif_field_request request = fuzz_request(data[0]);
+    dif_field_file field;
+    (void)!fuzz_field(file, n_magic + n - 1, &request, &field);
+    dif_field_file_free(&field);
+    fuzz_channels(file, n_magic + n - 1, &request, bytes);
+    free(file);
+}
+
 #endif
